@@ -1,0 +1,107 @@
+"""Build a plugin from plain values: nested tables, parameter sets by name, effects on or off."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from myobridge.errors import ParameterError, nearest
+from myobridge.parameters import Declaration, declared
+from myobridge.registry import Registry
+
+__all__ = ["build"]
+
+
+def build(
+    registry: Registry,
+    family: str,
+    table: Mapping[str, Any],
+    effects: Collection[str] | None = None,
+    folder: Path | None = None,
+) -> Any:
+    """Instance of ``table["plugin"]`` with the other keys as parameters.
+
+    Parameters
+    ----------
+    table : mapping
+        ``plugin`` names the class, ``parameters`` a set of its ``parameter_sets``, the rest are parameters.
+    effects : collection of str, optional
+        Effects that the scene calls for. A parameter of an effect that is not called for is an error, one of an
+        effect that is called for but not set takes its `on` value. None: parameters decide alone.
+    folder : Path, optional
+        Folder against which parameters of kind "file" are read.
+
+    Raises
+    ------
+    ParameterError, PluginError
+    """
+    values = dict(table)
+    if "plugin" not in values:
+        raise ParameterError("plugin", f"is missing. {nearest('', registry.names(family))}")
+    cls = registry.find(family, str(values.pop("plugin"))).cls
+    said = declared(cls)
+    values = {**_parameter_set(cls, values), **values}
+    for key in values:
+        if key not in said:
+            raise ParameterError(key, f"is unknown to '{table['plugin']}'. {nearest(key, {*said, 'plugin'})}")
+    if effects is not None:
+        _apply_effects(said, values, effects)
+    for key, item in said.items():
+        if key in values:
+            values[key] = _value(registry, key, item, values[key], effects, folder)
+        elif _required(cls, key):
+            raise ParameterError(key, f"is missing; '{table['plugin']}' needs {item.allowed()}: {item.doc}")
+    return cls(**values)
+
+
+def _parameter_set(cls: type[Any], values: dict[str, Any]) -> Mapping[str, Any]:
+    if "parameters" not in values or "parameters" in declared(cls):
+        return {}
+    name = values.pop("parameters")
+    sets: Mapping[str, Mapping[str, Any]] = getattr(cls, "parameter_sets", {})
+    if name not in sets:
+        raise ParameterError("parameters", f"has no set '{name}'. {nearest(str(name), sets)}")
+    return sets[name]
+
+
+def _apply_effects(said: Mapping[str, Declaration], values: dict[str, Any], effects: Collection[str]) -> None:
+    for key, item in said.items():
+        if not item.effect:
+            continue
+        if item.effect not in effects and key in values:
+            raise ParameterError(
+                key,
+                f"belongs to the effect '{item.effect}', which the scene does not call for; add it to effects",
+            )
+        if item.effect in effects and key not in values and item.on is not None:
+            values[key] = item.on
+
+
+def _value(
+    registry: Registry,
+    key: str,
+    item: Declaration,
+    value: Any,
+    effects: Collection[str] | None,
+    folder: Path | None,
+) -> Any:
+    if item.kind == "part":
+        table = {"plugin": value} if isinstance(value, str) else value
+        if not isinstance(table, Mapping):
+            if isinstance(value, int | float):
+                raise ParameterError(key, f"is {value!r}; expected {item.allowed()}")
+            return value
+        try:
+            return build(registry, item.family, table, effects, folder)
+        except ParameterError as error:
+            raise ParameterError(f"{key}.{error.key}", error.problem) from None
+    if item.kind == "file" and isinstance(value, str) and folder is not None:
+        return str(folder / value)
+    return value
+
+
+def _required(cls: type[Any], key: str) -> bool:
+    return getattr(attrs.fields_dict(cls)[key], "default", None) is attrs.NOTHING

@@ -1,0 +1,49 @@
+"""The errors a user meets: each says what was wrong, where, what is allowed, and the nearest match."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = ["MyobridgeError", "ParameterError", "PluginError", "SceneError", "StepFailed", "nearest"]
+
+
+class MyobridgeError(Exception):
+    """Any error that is the user's to mend; the command line prints it without a traceback."""
+
+
+class PluginError(MyobridgeError):
+    """A plugin is unknown, clashes with another, or breaks its contract."""
+
+
+class SceneError(MyobridgeError):
+    """A scene says something that cannot be simulated."""
+
+
+class StepFailed(MyobridgeError):
+    """A step failed although it was halved as often as allowed; what was computed before is kept."""
+
+
+class ParameterError(MyobridgeError):
+    """A parameter has a wrong name, type or range.
+
+    Parameters
+    ----------
+    key : str
+        The parameter, dotted from the plugin inwards (``rates.f1``).
+    problem : str
+        What is wrong and what is allowed.
+    """
+
+    def __init__(self, key: str, problem: str) -> None:
+        super().__init__(f"{key}: {problem}")
+        self.key = key
+        self.problem = problem
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str:
+    """Sentence that lists what is allowed and, when one is close to `word`, suggests it."""
+    names = sorted(allowed)
+    sentence = f"Allowed: {', '.join(names)}." if names else "Nothing is allowed here."
+    close = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    return f"{sentence} Did you mean '{close[0]}'?" if close else sentence

@@ -1,0 +1,103 @@
+"""Hooks through which every plugin, built in or a stranger's, offers its classes.
+
+A plugin module names an entry point of the group ``myobridge`` and ends with::
+
+    @hookimpl
+    def myobridge_cross_bridges():
+        return {"my_model": MyModel}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import pluggy
+
+from myobridge.interfaces import (
+    ActivationKinetics,
+    ContinuationStrategy,
+    CouplingScheme,
+    CrossBridgeModel,
+    MacroSolid,
+    Overlap,
+    SarcomereDensity,
+    Signal,
+    TimeIntegrator,
+)
+
+__all__ = ["FAMILIES", "Family", "hookimpl", "hookspec"]
+
+hookspec = pluggy.HookspecMarker("myobridge")
+hookimpl = pluggy.HookimplMarker("myobridge")
+
+
+@hookspec
+def myobridge_cross_bridges() -> Mapping[str, type[CrossBridgeModel]]:  # pyright: ignore[reportReturnType]
+    """Cross-bridge models by short name."""
+
+
+@hookspec
+def myobridge_macro_solids() -> Mapping[str, type[MacroSolid]]:  # pyright: ignore[reportReturnType]
+    """Solids by short name."""
+
+
+@hookspec
+def myobridge_time_integrators() -> Mapping[str, type[TimeIntegrator]]:  # pyright: ignore[reportReturnType]
+    """Time integrators by short name."""
+
+
+@hookspec
+def myobridge_continuations() -> Mapping[str, type[ContinuationStrategy]]:  # pyright: ignore[reportReturnType]
+    """Continuation strategies by short name."""
+
+
+@hookspec
+def myobridge_couplings() -> Mapping[str, type[CouplingScheme]]:  # pyright: ignore[reportReturnType]
+    """Coupling schemes by short name."""
+
+
+@hookspec
+def myobridge_signals() -> Mapping[str, type[Signal]]:  # pyright: ignore[reportReturnType]
+    """Functions of time by short name: activations, loads, prescribed stretches."""
+
+
+@hookspec
+def myobridge_calcium_kinetics() -> Mapping[str, type[ActivationKinetics]]:  # pyright: ignore[reportReturnType]
+    """Stages between stimulation and activation by short name."""
+
+
+@hookspec
+def myobridge_overlaps() -> Mapping[str, type[Overlap]]:  # pyright: ignore[reportReturnType]
+    """Filament overlaps by short name."""
+
+
+@hookspec
+def myobridge_sarcomere_densities() -> Mapping[str, type[SarcomereDensity]]:  # pyright: ignore[reportReturnType]
+    """Sarcomere densities by short name."""
+
+
+@attrs.frozen
+class Family:
+    """A kind of plugin: its hook, the interface that every member implements, what it is in words."""
+
+    name: str
+    hook: str
+    interface: type
+    doc: str
+
+
+FAMILIES: Mapping[str, Family] = {
+    family.name: family
+    for family in (
+        Family("cross_bridge", "myobridge_cross_bridges", CrossBridgeModel, "cross-bridge model"),
+        Family("macro_solid", "myobridge_macro_solids", MacroSolid, "solid"),
+        Family("time_integrator", "myobridge_time_integrators", TimeIntegrator, "time integrator"),
+        Family("continuation", "myobridge_continuations", ContinuationStrategy, "continuation strategy"),
+        Family("coupling", "myobridge_couplings", CouplingScheme, "coupling scheme"),
+        Family("signal", "myobridge_signals", Signal, "function of time"),
+        Family("calcium", "myobridge_calcium_kinetics", ActivationKinetics, "calcium kinetics"),
+        Family("overlap", "myobridge_overlaps", Overlap, "filament overlap"),
+        Family("sarcomere_density", "myobridge_sarcomere_densities", SarcomereDensity, "sarcomere density"),
+    )
+}

@@ -1,0 +1,72 @@
+r"""Continuation: follow a path of equilibria as a parameter grows, for scenes without time.
+
+.. math:: F(u, \ell) = 0, \qquad \ell: 0 \to 1
+
+A strategy sees a `ContinuationProblem` only: the residual, its derivatives and the verdict on stability. Every accepted
+point carries its iteration count and the inertia of its tangent, so that an unstable state is never silently accepted.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import attrs
+
+from myobridge.interfaces.active_law import Array
+from myobridge.interfaces.macro_solid import Matrix
+
+__all__ = ["ContinuationPath", "ContinuationProblem", "ContinuationStrategy", "PathPoint"]
+
+
+class ContinuationProblem(ABC):
+    """Equilibrium problem with one parameter."""
+
+    @abstractmethod
+    def residual(self, unknowns: Array, level: float) -> Array:
+        """F(u, l), shape (n_unknowns,)."""
+
+    @abstractmethod
+    def tangent(self, unknowns: Array, level: float) -> Matrix:
+        """dF/du, shape (n_unknowns, n_unknowns)."""
+
+    @abstractmethod
+    def level_derivative(self, unknowns: Array, level: float) -> Array:
+        """dF/dl, shape (n_unknowns,)."""
+
+    @abstractmethod
+    def negative_eigenvalues(self, unknowns: Array, level: float) -> int:
+        """Negative eigenvalues of the tangent beyond those of a stable state; 0 means stable."""
+
+    def admissible(self, unknowns: Array) -> bool:
+        """Whether the state is physically possible."""
+        return True
+
+
+@attrs.frozen(eq=False)
+class PathPoint:
+    """Accepted point of a path: unknowns, level, Newton iterations spent, negative eigenvalues (0: stable)."""
+
+    unknowns: Array
+    level: float
+    iterations: int
+    negative_eigenvalues: int
+
+
+@attrs.frozen(eq=False)
+class ContinuationPath:
+    """Points found; `completed` False when the path ends early, and then `reason` says where, why and what to try."""
+
+    points: tuple[PathPoint, ...]
+    completed: bool
+    reason: str = ""
+
+
+class ContinuationStrategy(ABC):
+    """Abstract strategy; step sizes and limits are the attributes of a frozen class."""
+
+    summary: ClassVar[str] = ""
+
+    @abstractmethod
+    def trace(self, problem: ContinuationProblem, start: Array) -> ContinuationPath:
+        """Follow the path from `start` at level 0 to level 1, keeping every accepted point."""
