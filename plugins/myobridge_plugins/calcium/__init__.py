@@ -1,0 +1,1 @@
+"""First stage between stimulation and activation."""

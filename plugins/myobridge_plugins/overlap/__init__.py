@@ -1,0 +1,1 @@
+"""Filament overlap as a function of stretch."""

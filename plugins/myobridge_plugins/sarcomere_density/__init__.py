@@ -1,0 +1,1 @@
+"""Local density of sarcomeres."""
