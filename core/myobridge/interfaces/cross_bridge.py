@@ -66,7 +66,7 @@ class Fluxes(NamedTuple):
     @classmethod
     def zero(cls, n_sites: int) -> Fluxes:
         """No flux at any site."""
-        nothing = np.zeros(n_sites)
+        nothing: Array = np.zeros(n_sites)
         return cls(nothing, nothing, nothing, nothing)
 
 
@@ -157,7 +157,7 @@ class CrossBridgeModel(ABC):
 
     def energy(self, state: Array) -> Array:
         """Stored energy per reference volume in units of `p_max` [-], shape (n_sites,)."""
-        return np.zeros(state.shape[0])
+        return np.zeros(len(state))
 
     def advance(
         self,

@@ -7,7 +7,8 @@ active tension is :math:`\sum_i V_i\,T_i\,\dot\lambda_i`, with `V` the reference
 apply the tension through the transpose of its own stretch gradient, or energy is not conserved.
 
 Unknowns are the *free* displacements ``(n_unknowns,)``; what a support prescribes is no unknown. A solid whose
-stretch is given (a clamp) has none. Shapes of matrices are ``(n_unknowns, n_unknowns)``, dense below about 100, else scipy sparse.
+stretch is given (a clamp) has none. Matrices are
+``(n_unknowns, n_unknowns)``, dense below about 100, else scipy sparse.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ class MacroSolid(ABC):
         """Rate of the fibre stretch [1/s], shape (n_sites,)."""
 
     @property
-    def mass(self) -> Matrix:
+    def mass_matrix(self) -> Matrix:
         """Mass matrix [kg]; a vector where it is lumped. Asked for by scenes with inertia only."""
         raise NotImplementedError(f"{type(self).__name__} has no mass")
 
@@ -146,7 +147,7 @@ class MacroSolid(ABC):
         """
         raise NotImplementedError(f"{type(self).__name__} has no unknowns to balance")
 
-    def load(self, displacement: Array, time: float) -> Array:
+    def external_force(self, displacement: Array, time: float) -> Array:
         """External force [N], shape (n_unknowns,)."""
         return np.zeros(self.n_unknowns)
 
@@ -166,9 +167,13 @@ class MacroSolid(ABC):
         """Angular momentum about the origin [kg m^2/s], shape (3,)."""
         return np.zeros(3)
 
-    def reactions(self, motion: Motion, law: ActiveLaw | None, time: float) -> Mapping[str, Array]:
-        """Force that each support exerts on the solid [N], by the support's name, without inertia of the support."""
+    def reactions(self, motion: Motion, tension: Array, time: float) -> Mapping[str, Array]:
+        """Force that each support exerts on the solid [N], by the support's name, under `tension` at the sites [Pa]."""
         return {}
+
+    def statics_obstacle(self, motion: Motion, law: ActiveLaw | None) -> str:
+        """Why this solid has no unique equilibrium to start statics from, in a sentence; empty where it has one."""
+        return ""
 
     def site_positions(self) -> Array:
         """Reference position of the sites [m], shape (n_sites, dimension)."""

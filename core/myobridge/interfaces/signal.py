@@ -51,4 +51,4 @@ class ActivationKinetics(ABC):
 
     @abstractmethod
     def advance(self, state: Array, stimulation: Array, dt: float) -> tuple[Array, Array]:
-        """State after `dt` seconds of constant `stimulation` [-], and the mean activation meanwhile, both (n_sites,)."""
+        """State after `dt` seconds of constant `stimulation` [-], and the mean activation, both (n_sites,)."""

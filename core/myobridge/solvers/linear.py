@@ -1,0 +1,70 @@
+"""Linear algebra that does not care whether a matrix is a number, a vector (lumped), dense or sparse."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sparse
+import scipy.sparse.linalg as sparse_linalg
+
+from myobridge.interfaces import Array, MacroSolid, Matrix
+
+__all__ = ["SingularMatrix", "add_scaled", "mass_solver", "solve", "times"]
+
+
+class SingularMatrix(ArithmeticError):
+    """The matrix has no inverse."""
+
+
+def times(matrix: Matrix, vector: Array) -> Array:
+    """``matrix @ vector``; a lumped matrix is the vector of its diagonal."""
+    return matrix * vector if isinstance(matrix, np.ndarray) and matrix.ndim == 1 else matrix @ vector
+
+
+def add_scaled(matrix: Matrix, factor: float, other: Matrix | None) -> Matrix:
+    """``matrix + factor * other`` for a square `matrix`, dense or sparse; `other` may be lumped or None."""
+    if other is None:
+        return matrix
+    if isinstance(other, np.ndarray) and other.ndim == 1:
+        if isinstance(matrix, np.ndarray):
+            result = matrix.copy()
+            result.flat[:: matrix.shape[0] + 1] += factor * other
+            return result
+        return matrix + sparse.diags_array(factor * other)
+    return matrix + factor * other
+
+
+def solve(matrix: Matrix, vector: Array) -> Array:
+    """Solution of ``matrix @ x = vector``.
+
+    Raises
+    ------
+    SingularMatrix
+        If there is none.
+    """
+    if isinstance(matrix, np.ndarray):
+        if matrix.size == 1:
+            if matrix[0, 0] == 0.0:
+                raise SingularMatrix
+            return vector / matrix[0, 0]
+        try:
+            return np.asarray(np.linalg.solve(matrix, vector), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            raise SingularMatrix from None
+    try:
+        return sparse_linalg.splu(sparse.csc_array(matrix)).solve(vector)
+    except RuntimeError:  # SuperLU's word for a singular factor
+        raise SingularMatrix from None
+
+
+@functools.lru_cache(maxsize=8)
+def mass_solver(solid: MacroSolid) -> Callable[[Array], Array]:
+    """Function that applies the inverse of the solid's mass matrix; factored once for each solid."""
+    mass = solid.mass_matrix
+    if isinstance(mass, np.ndarray) and mass.ndim == 1:
+        return lambda force: force / mass
+    if isinstance(mass, np.ndarray):
+        return functools.partial(solve, mass)
+    return sparse_linalg.splu(sparse.csc_array(mass)).solve

@@ -1,0 +1,1 @@
+"""Solids: what the fibres pull on."""

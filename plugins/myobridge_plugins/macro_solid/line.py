@@ -1,0 +1,273 @@
+r"""What chain and rope share: an elastic line in one or three dimensions.
+
+.. math:: W = \sum_i w_i A \Bigl( \tfrac{E}{2} (\lambda_i - 1)^2 + \psi_i(\lambda_i) \Bigr), \qquad
+          g_i = \sum_a B_{ia} x_a, \quad \lambda_i = |g_i|
+
+`x` are the positions of the nodes, `B` the derivative along the reference line at the sites, `w` their share of the
+length: differences of neighbours for a chain, shape function derivatives at quadrature points for a rope.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
+
+import attrs
+import numpy as np
+import scipy.sparse as sparse
+
+from myobridge.errors import ParameterError
+from myobridge.interfaces import ActiveLaw, Array, Balance, MacroSolid, Matrix, Motion, Signal
+from myobridge.parameters import choice, number, numbers, part
+from myobridge.solvers import times
+
+__all__ = ["Line", "LineMesh"]
+
+
+class LineMesh(NamedTuple):
+    """Discrete line: nodes and sites [m], derivative at the sites [1/m], site lengths [m], mass over total mass."""
+
+    nodes: Array
+    sites: Array
+    derivative: Any
+    lengths: Array
+    mass: Matrix
+
+
+@attrs.frozen(eq=False)
+class Line(MacroSolid):
+    """Abstract elastic line along the first axis; its subclasses say how it is cut into sites.
+
+    Parameters
+    ----------
+    length, area, modulus, mass : float
+        Rest length [m], cross-section [m^2], Young's modulus [Pa], total mass [kg].
+    dimension : "1" or "3"
+        Of the space in which it moves.
+    left, right : "fixed" or "free"
+        The two ends.
+    load : Signal, optional
+        Force along the first axis on the right end [N].
+    gravity : float or three floats, optional
+        Acceleration [m/s^2], effect ``gravity``.
+    stretch_at_start : float
+        Uniform stretch at t = 0.
+    displacement, velocity : sequence of float, optional
+        Of the free nodes at t = 0, node by node; instead of the uniform stretch, of rest.
+    """
+
+    inertia: ClassVar[bool] = True
+
+    length: float = number(1.0, unit="m", within="(0, inf)", doc="rest length")
+    area: float = number(1e-4, unit="m^2", within="(0, inf)", doc="cross-section")
+    modulus: float = number(1e5, unit="Pa", within="(0, inf)", doc="Young's modulus")
+    mass: float = number(0.1, unit="kg", within="(0, inf)", doc="total mass")
+    dimension: str = choice("1", ("1", "3"), doc="dimension of the space in which it moves")
+    left: str = choice("fixed", ("fixed", "free"), doc="support of the left end")
+    right: str = choice("free", ("fixed", "free"), doc="support of the right end")
+    load: Signal | None = part("signal", None, doc="force on the right end [N], positive pulls")
+    gravity: float | tuple[float, ...] | None = numbers(
+        None, unit="m/s^2", doc="acceleration along each axis", effect="gravity", on=-9.81
+    )
+    stretch_at_start: float = number(1.0, within="(0, inf)", doc="uniform stretch at the start")
+    displacement: tuple[float, ...] | None = numbers(None, unit="m", doc="free displacements at the start")
+    velocity: tuple[float, ...] | None = numbers(None, unit="m/s", doc="free velocities at the start")
+
+    def __attrs_post_init__(self) -> None:
+        for name in ("displacement", "velocity"):
+            given = getattr(self, name)
+            if given is not None and np.size(given) != self.n_unknowns:
+                raise ParameterError(name, f"has {np.size(given)} values; expected one for each of {self.n_unknowns}")
+        if self.load is not None and self.right == "fixed":
+            raise ParameterError("load", "acts on the right end, which is fixed; set right = 'free'")
+        if self.gravity is not None and np.size(self.gravity) not in (1, self.n_axes):
+            raise ParameterError("gravity", f"has {np.size(self.gravity)} values; expected 1 or {self.n_axes}")
+
+    @abstractmethod
+    def cut(self) -> LineMesh:
+        """The discrete line."""
+
+    @cached_property
+    def mesh(self) -> LineMesh:
+        """The discrete line, cut once."""
+        return self.cut()
+
+    @property
+    def n_axes(self) -> int:
+        """Dimension of the space."""
+        return int(self.dimension)
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Indices of the free components among all node components."""
+        last = self.mesh.nodes.size - 1
+        ends = ([0] if self.left == "fixed" else []) + ([last] if self.right == "fixed" else [])
+        nodes = np.setdiff1d(np.arange(last + 1), ends)
+        return (nodes[:, None] * self.n_axes + np.arange(self.n_axes)).ravel()
+
+    @property
+    def n_unknowns(self) -> int:
+        return self.free.size
+
+    @property
+    def n_sites(self) -> int:
+        return self.mesh.lengths.size
+
+    @cached_property
+    def site_volumes(self) -> Array:
+        return self.area * self.mesh.lengths
+
+    @cached_property
+    def _reference(self) -> Array:
+        positions = np.zeros((self.mesh.nodes.size, self.n_axes))
+        positions[:, 0] = self.mesh.nodes
+        return positions
+
+    @cached_property
+    def _derivative(self) -> Any:
+        """Derivative of the free components at the sites, (n_sites * n_axes, n_unknowns)."""
+        full = sparse.kron(self.mesh.derivative, np.eye(self.n_axes), format="csc")
+        return sparse.csr_array(full[:, self.free])
+
+    @cached_property
+    def _transposed(self) -> Any:
+        return sparse.csr_array(self._derivative.T)
+
+    @cached_property
+    def mass_matrix(self) -> Matrix:
+        mass = self.mesh.mass
+        if isinstance(mass, np.ndarray):
+            return self.mass * np.repeat(mass, self.n_axes)[self.free]
+        full = sparse.csc_array(sparse.kron(mass, np.eye(self.n_axes)))
+        return self.mass * sparse.csc_array(full[:, self.free][self.free])
+
+    def rest_motion(self) -> Motion:
+        moved = (self.stretch_at_start - 1.0) * self._reference.ravel()[self.free]
+        displacement = moved if self.displacement is None else np.array(self.displacement, dtype=float).ravel()
+        velocity = np.zeros(self.n_unknowns) if self.velocity is None else np.array(self.velocity, dtype=float).ravel()
+        return Motion(displacement, velocity)
+
+    def positions(self, displacement: Array) -> Array:
+        """Current node positions [m], shape (n_nodes, n_axes)."""
+        positions = self._reference.copy()
+        positions.ravel()[self.free] += displacement
+        return positions
+
+    def _gradient(self, displacement: Array) -> tuple[Array, Array]:
+        """Direction times stretch at the sites (n_sites, n_axes), and the stretch."""
+        gradient = self.mesh.derivative @ self.positions(displacement)
+        return gradient, np.sqrt(np.einsum("ia,ia->i", gradient, gradient))
+
+    def stretch(self, displacement: Array, time: float) -> Array:
+        return self._gradient(displacement)[1]
+
+    def stretch_rate(self, displacement: Array, velocity: Array, time: float) -> Array:
+        gradient, stretch = self._gradient(displacement)
+        rate = (self._derivative @ velocity).reshape(gradient.shape)
+        return np.einsum("ia,ia->i", gradient, rate) / stretch
+
+    def balance(
+        self, motion: Motion, law: ActiveLaw | None, time: float, *, rate: bool = True, tangent: bool = False
+    ) -> Balance:
+        gradient, stretch = self._gradient(motion.displacement)
+        direction = gradient / stretch[:, None]
+        stress = self.modulus * (stretch - 1.0)
+        slope: Array | float = self.modulus
+        sensitivity = None
+        if law is not None:
+            speed = np.zeros_like(stretch)
+            if rate:
+                moving = (self._derivative @ motion.velocity).reshape(gradient.shape)
+                speed = np.einsum("ia,ia->i", direction, moving)
+            answer = law.evaluate(stretch, speed)
+            stress = stress + answer.tension
+            slope = slope + answer.stiffness
+            sensitivity = answer.rate_sensitivity
+        weighted = (self.site_volumes * stress)[:, None] * direction
+        force = self._transposed @ weighted.ravel() - self.external_force(motion.displacement, time)
+        if not tangent:
+            return Balance(force)
+        along = np.einsum("ia,ib->iab", direction, direction)
+        across = np.eye(self.n_axes) - along
+        blocks = along * (self.site_volumes * slope)[:, None, None]
+        blocks += across * (self.site_volumes * stress / stretch)[:, None, None]
+        damping = (
+            None if sensitivity is None else self._between(along * (self.site_volumes * sensitivity)[:, None, None])
+        )
+        return Balance(force, self._between(blocks), damping)
+
+    def _between(self, blocks: Array) -> Any:
+        """B^T diag(blocks) B."""
+        n = self.n_sites
+        middle = sparse.bsr_array((blocks, np.arange(n), np.arange(n + 1)))
+        return sparse.csc_array(self._transposed @ (middle @ self._derivative))
+
+    @cached_property
+    def _weight(self) -> Array:
+        """Force of gravity on the free components [N]."""
+        if self.gravity is None:
+            return np.zeros(self.n_unknowns)
+        acceleration = np.zeros(self.n_axes)
+        acceleration[...] = self.gravity if np.size(self.gravity) > 1 else 0.0
+        if np.size(self.gravity) == 1:  # one number acts along the last axis: down
+            acceleration[-1] = float(np.ravel(self.gravity)[0])
+        shares = times(self.mesh.mass, np.ones(self.mesh.nodes.size))
+        return (self.mass * shares[:, None] * acceleration).ravel()[self.free]
+
+    def external_force(self, displacement: Array, time: float) -> Array:
+        force = self._weight.copy()
+        if self.load is not None:
+            force[-self.n_axes] += float(np.ravel(self.load.value(time))[0])
+        return force
+
+    def admissible(self, displacement: Array) -> bool:
+        if not np.all(np.isfinite(displacement)):
+            return False
+        gradient, stretch = self._gradient(displacement)
+        # In one dimension a segment that turned round has passed through zero length.
+        return bool(np.all(stretch > 0.0) and (self.n_axes > 1 or np.all(gradient > 0.0)))
+
+    def elastic_energy(self, displacement: Array) -> float:
+        _, stretch = self._gradient(displacement)
+        return 0.5 * self.modulus * float(np.dot(self.site_volumes, (stretch - 1.0) ** 2))
+
+    def momentum(self, motion: Motion) -> Array:
+        return times(self.mass_matrix, motion.velocity).reshape(-1, self.n_axes).sum(axis=0)
+
+    def angular_momentum(self, motion: Motion) -> Array:
+        if self.n_axes == 1:
+            return np.zeros(3)
+        momenta = np.zeros((self.mesh.nodes.size, 3))
+        momenta.ravel()[self.free] = times(self.mass_matrix, motion.velocity)
+        return np.cross(self.positions(motion.displacement), momenta).sum(axis=0)
+
+    def statics_obstacle(self, motion: Motion, law: ActiveLaw | None) -> str:
+        if self.n_axes == 1:
+            return ""
+        stretch = self.stretch(motion.displacement, 0.0)
+        stress = self.modulus * (stretch - 1.0)
+        if law is not None:
+            stress = stress + law.evaluate(stretch, np.zeros_like(stretch)).tension
+        slack = np.flatnonzero(stress <= 0.0)
+        if slack.size == 0:
+            return ""
+        return (
+            f"{slack.size} of {stress.size} segments are slack (the first: {slack[0]}), so nothing holds them sideways "
+            "and there is no unique equilibrium. Stretch it at the start (stretch_at_start > 1), call for the effect "
+            "'inertia', or set dimension = '1'"
+        )
+
+    def reactions(self, motion: Motion, tension: Array, time: float) -> Mapping[str, Array]:
+        gradient, stretch = self._gradient(motion.displacement)
+        stress = self.modulus * (stretch - 1.0) + tension
+        forces = self.mesh.derivative.T @ ((self.site_volumes * stress / stretch)[:, None] * gradient)
+        ends = {"left": 0, "right": -1}
+        return {name: forces[node] for name, node in ends.items() if getattr(self, name) == "fixed"}
+
+    def site_positions(self) -> Array:
+        return self.mesh.sites[:, None]
+
+    def jumps(self) -> tuple[float, ...]:
+        return () if self.load is None else self.load.jumps()

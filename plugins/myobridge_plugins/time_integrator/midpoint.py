@@ -1,0 +1,45 @@
+"""Implicit midpoint rule."""
+
+from __future__ import annotations
+
+from typing import ClassVar, final
+
+import attrs
+
+from myobridge.hookspecs import hookimpl
+from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, StepResult, TimeIntegrator
+from myobridge.parameters import number
+from myobridge.solvers import implicit_stage
+
+
+@final
+@attrs.frozen
+class Midpoint(TimeIntegrator):
+    r"""Implicit midpoint rule: symplectic, order 2; conserves quadratic energies and momenta to round-off.
+
+    .. math:: M \frac{v_1 - v_0}{\Delta t}
+              + f\Bigl(\tfrac{u_0+u_1}{2}, \tfrac{u_1-u_0}{\Delta t}, t_0 + \tfrac{\Delta t}{2}\Bigr)
+              = 0, \qquad v_1 = 2\,\frac{u_1-u_0}{\Delta t} - v_0
+
+    References
+    ----------
+    .. [1] E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration (2006), sections II.1, IV.2 and VI.4.
+    """
+
+    summary: ClassVar[str] = "implicit midpoint rule; order 2, conserves quadratic energies to round-off"
+    order: ClassVar[int] = 2
+    inertia: ClassVar[bool] = True
+    stage: ClassVar[float] = 0.5
+    conserves: ClassVar[frozenset[str]] = frozenset({"energy", "momentum", "angular_momentum"})
+
+    tolerance: float = number(1e-12, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
+
+    def step(
+        self, solid: MacroSolid, law: ActiveLaw | None, motion: Motion, memory: Memory, time: float, dt: float
+    ) -> StepResult:
+        return implicit_stage(solid, law, motion, memory, time, dt, stage=0.5, inertia=True, tolerance=self.tolerance)
+
+
+@hookimpl
+def myobridge_time_integrators() -> dict[str, type[TimeIntegrator]]:
+    return {"midpoint": Midpoint}
