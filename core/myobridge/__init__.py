@@ -1,5 +1,8 @@
 """myobridge: multi-scale muscle simulation, cross-bridges below, tissue above, joined by a coupling bus."""
 
+from myobridge.bus import CouplingBus
+from myobridge.errors import MyobridgeError, ParameterError, PluginError, SceneError, StepFailed
+from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
     ActivationKinetics,
     ActiveLaw,
@@ -21,6 +24,14 @@ from myobridge.interfaces import (
     StepResult,
     TimeIntegrator,
 )
+from myobridge.ledger import Ledger
+from myobridge.plan import Plan
+from myobridge.recording import Record
+from myobridge.registry import registry
+from myobridge.results import Result
+from myobridge.run import Run, resume, run
+from myobridge.scene import Scene
+from myobridge.simulation import Simulation
 
 __all__ = [
     "ActivationKinetics",
@@ -29,19 +40,36 @@ __all__ = [
     "ContinuationPath",
     "ContinuationProblem",
     "ContinuationStrategy",
+    "CouplingBus",
     "CouplingScheme",
     "CrossBridgeModel",
     "Fluxes",
+    "Ledger",
     "MacroSolid",
     "Motion",
+    "MyobridgeError",
     "Overlap",
+    "ParameterError",
     "PathPoint",
+    "Plan",
+    "PluginError",
     "Promises",
+    "Record",
+    "Result",
+    "Run",
     "SarcomereDensity",
+    "Scene",
+    "SceneError",
     "Signal",
+    "Simulation",
+    "StepFailed",
     "StepReport",
     "StepResult",
     "TimeIntegrator",
+    "hookimpl",
+    "registry",
+    "resume",
+    "run",
 ]
 
 __version__ = "0.1.0"

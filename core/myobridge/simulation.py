@@ -150,9 +150,8 @@ class Simulation:
         else:
             spent = bus.seconds
             bus.begin(self.time, dt)
-            result = self._finite(
-                self.coupling.step(bus, self.solid, self.integrator, self.motion, self.memory, self.time, dt)
-            )
+            step = self.coupling.step(bus, self.solid, self.integrator, self.motion, self.memory, self.time, dt)
+            result = self._finite(step)
             self.seconds["cross_bridges"] += bus.seconds - spent
             self.seconds["mechanics"] -= bus.seconds - spent
         stepped = perf_counter()
@@ -224,7 +223,7 @@ class Simulation:
                 raise SceneError(f"activation: starts at {values}; expected values in [0, 1]")
             if values.shape not in ((), (1,), (self.solid.n_sites,)):
                 raise SceneError(
-                    f"activation: has {values.shape[0]} values; expected 1, or one for each of {self.solid.n_sites} sites"
+                    f"activation: has {values.shape[0]} values; expected 1 or {self.solid.n_sites}, one for each site"
                 )
         if self.integrator.inertia and not self.solid.inertia:
             raise SceneError(

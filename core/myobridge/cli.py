@@ -1,0 +1,165 @@
+"""Command line: ``myobridge run | explain | show | plugins``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from myobridge.errors import MyobridgeError, SceneError
+
+__all__ = ["main"]
+
+# Exit codes: bad input, and the shell's own for Ctrl-C.
+_BAD_INPUT = 2
+_INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; returns the exit code: 0, 1 (the simulation failed), 2 (bad input), 130 (Ctrl-C)."""
+    from myobridge.errors import StepFailed
+
+    options = _parser().parse_args(arguments)
+    try:
+        return options.command(options)
+    except StepFailed as error:
+        print(f"myobridge: {error}", file=sys.stderr)
+        return 1
+    except MyobridgeError as error:
+        print(f"myobridge: {error}", file=sys.stderr)
+        return _BAD_INPUT
+    except KeyboardInterrupt:
+        print("\nmyobridge: interrupted", file=sys.stderr)
+        return _INTERRUPTED
+    except OSError as error:
+        print(f"myobridge: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        return _BAD_INPUT
+
+
+def _parser() -> argparse.ArgumentParser:
+    import myobridge
+
+    parser = argparse.ArgumentParser(prog="myobridge", description="Multi-scale muscle simulation.")
+    parser.add_argument("--version", action="version", version=f"myobridge {myobridge.__version__}")
+    verbs = parser.add_subparsers(required=True, metavar="run | explain | show | plugins")
+
+    run = verbs.add_parser("run", help="run a scene, or continue a result")
+    run.add_argument("scene", nargs="?", type=Path, help="scene file (TOML)")
+    run.add_argument("-o", "--output", type=Path, help="result file (default: the scene's name with .h5)")
+    run.add_argument("--resume", type=Path, metavar="FILE", help="continue a result file")
+    run.add_argument("--until", type=float, metavar="T", help="stop at time T [s], to be resumed later")
+    _add_settings(run)
+    run.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    run.set_defaults(command=_run)
+
+    explain = verbs.add_parser("explain", help="print what a scene means, without running it")
+    explain.add_argument("scene", type=Path, help="scene file (TOML)")
+    _add_settings(explain)
+    explain.set_defaults(command=_explain)
+
+    show = verbs.add_parser("show", help="draw a result")
+    show.add_argument("file", type=Path, help="result file (HDF5)")
+    show.add_argument("-o", "--output", type=Path, help="picture (default: the result's name with .png)")
+    show.set_defaults(command=_show)
+
+    plugins = verbs.add_parser("plugins", help="list what is installed")
+    plugins.add_argument("--json", action="store_true", help="for programs")
+    plugins.set_defaults(command=_plugins)
+    return parser
+
+
+def _add_settings(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override a key of the scene, dotted: solid.stiffness=100 (repeatable)",
+    )
+
+
+def _settings(given: Sequence[str]) -> dict[str, Any]:
+    """``--set`` values: TOML where they are TOML, words where not."""
+    settings: dict[str, Any] = {}
+    for item in given:
+        key, equals, value = item.partition("=")
+        if not equals or not key:
+            raise SceneError(f"--set {item}: expected KEY=VALUE, for example solid.stiffness=100")
+        try:
+            settings[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            settings[key.strip()] = value.strip()
+    return settings
+
+
+def _run(options: argparse.Namespace) -> int:
+    from myobridge.plan import Plan
+    from myobridge.progress import follow
+    from myobridge.run import resume, start
+    from myobridge.scene import Scene
+
+    if (options.scene is None) == (options.resume is None):
+        raise SceneError("run: give a scene file, or --resume with a result file")
+    settings = _settings(options.settings)
+    if options.resume is not None:
+        run, scene = resume(options.resume, options.output, settings)
+        plan = Plan.of(scene)
+    else:
+        scene = Scene.load(options.scene, settings)
+        plan = Plan.of(scene)
+        run = start(plan, options.output or Path(options.scene.stem + ".h5"))
+    end = scene.duration if options.until is None else min(options.until, scene.duration)
+    follow(run, plan, end, quiet=options.quiet)
+    return 0
+
+
+def _explain(options: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from myobridge.plan import Plan
+    from myobridge.scene import Scene
+    from myobridge.tables import effects_table, settings_table
+
+    plan = Plan.of(Scene.load(options.scene, _settings(options.settings)))
+    plan.simulation()  # what does not go together is said here, not at the run
+    console = Console()
+    console.print(settings_table(plan))
+    console.print(effects_table(plan))
+    sizes = plan.sizes()
+    console.print(", ".join(f"{value:,} {name}" for name, value in sizes.items()))
+    steps = round(plan.scene.duration / plan.scene.step)
+    console.print(f"{steps:,} steps of {plan.scene.step:g} s")
+    return 0
+
+
+def _show(options: argparse.Namespace) -> int:
+    from myobridge.pictures import draw
+    from myobridge.results import Result
+
+    target = options.output or Path(options.file.stem + ".png")
+    started = perf_counter()
+    draw(Result.load(options.file), target)
+    print(f"wrote {target} ({perf_counter() - started:.1f} s)")
+    return 0
+
+
+def _plugins(options: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from myobridge.registry import registry
+    from myobridge.tables import plugins_json, plugins_table
+
+    if options.json:
+        print(plugins_json(registry()))
+    else:
+        Console().print(plugins_table(registry()))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

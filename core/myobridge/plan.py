@@ -1,0 +1,182 @@
+"""Plan: what a scene means. Which plugins, how many unknowns, sites and bytes; what is left out, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from myobridge.build import build
+from myobridge.effects import EFFECTS, FAMILY_OF_SECTION, SECTIONS, known_effects, suppliers
+from myobridge.errors import MyobridgeError, ParameterError, PluginError, SceneError, nearest
+from myobridge.parameters import declared, optional_effects
+from myobridge.registry import Registry, registry
+from myobridge.scene import Scene, locate
+from myobridge.simulation import Simulation
+
+__all__ = ["Plan"]
+
+
+@attrs.frozen(eq=False)
+class Plan:
+    """A scene with its plugins built.
+
+    Attributes
+    ----------
+    scene : Scene
+    parts : mapping
+        Built plugins by section; a section that the scene does without is absent.
+    names : mapping
+        Short name of each part's plugin.
+    """
+
+    scene: Scene
+    parts: Mapping[str, Any]
+    names: Mapping[str, str]
+
+    @classmethod
+    def of(cls, scene: Scene, plugins: Registry | None = None) -> Plan:
+        """Build every plugin that the scene needs, and none else.
+
+        Raises
+        ------
+        SceneError
+            One clear message: file, line and key, what is wrong, what is allowed, the nearest match.
+        """
+        found = registry() if plugins is None else plugins
+        try:
+            tables = _tables(scene, found)
+            parts = {section: _part(found, section, table, scene) for section, table in tables.items()}
+            _check_suppliers(scene, found, parts)
+            _check_inertia(scene, parts)
+        except ParameterError as error:
+            raise SceneError(f"{_where(scene, error.key)}{error.key}: {error.problem}") from None
+        return cls(scene, parts, {section: str(table["plugin"]) for section, table in tables.items()})
+
+    def simulation(self) -> Simulation:
+        """The simulation, ready to step."""
+        parts = dict(self.parts)
+        try:
+            return Simulation(dt=self.scene.step, **parts)
+        except MyobridgeError as error:
+            section = str(error).partition(":")[0]
+            raise SceneError(f"{_where(self.scene, section)}{error}") from None
+
+    def effects(self) -> list[tuple[str, str, str]]:
+        """(effect, "on" | "off" | "inherent", what supplies it or why it is off), for every known effect."""
+        rows: list[tuple[str, str, str]] = []
+        for effect, doc in EFFECTS.items():
+            by = [
+                f"{section} '{self.names[section]}'"
+                for section, part in self.parts.items()
+                if effect in _supplied(section, part)
+            ]
+            if effect in self.scene.effects:
+                rows.append((effect, "on", ", ".join(by)))
+            elif any(effect in getattr(part, "inherent_effects", ()) for part in self.parts.values()):
+                rows.append((effect, "inherent", f"always there in {', '.join(by)}"))
+            else:
+                rows.append((effect, "off", f"not called for: {doc}"))
+        return rows
+
+    def sizes(self) -> dict[str, int]:
+        """Unknowns, sites, state values a site, bytes of the population (state and trial)."""
+        solid = self.parts["solid"]
+        sizes = {"unknowns": solid.n_unknowns, "sites": solid.n_sites}
+        model = self.parts.get("cross_bridges")
+        if model is not None:
+            values = model.initial_state(1).shape[1]
+            sizes |= {"values a site": values, "population bytes": 2 * 8 * values * solid.n_sites}
+        return sizes
+
+
+def _tables(scene: Scene, plugins: Registry) -> dict[str, Mapping[str, Any]]:
+    """Tables of the sections that exist, defaults filled in."""
+    known = known_effects(plugins)
+    for index, effect in enumerate(scene.effects):
+        if effect not in known:
+            raise ParameterError(f"scene.effects[{index}]", f"there is no effect '{effect}'. {nearest(effect, known)}")
+    tables: dict[str, Mapping[str, Any]] = {"solid": scene.solid}
+    for section in SECTIONS:
+        table = getattr(scene, section)
+        if table is not None and section not in scene.effects:
+            raise ParameterError(
+                section, f"is given, but the scene does not call for the effect '{section}'; add it to scene.effects"
+            )
+        if section in scene.effects:
+            if table is None:
+                raise ParameterError(
+                    section, f"is missing: the scene calls for the effect '{section}', so it needs a table [{section}]"
+                )
+            if section != "cross_bridges" and "cross_bridges" not in scene.effects:
+                raise ParameterError("scene.effects", f"'{section}' acts on cross-bridges; add 'cross_bridges'")
+            tables[section] = table
+    inertia = "inertia" in scene.effects
+    tables["integrator"] = scene.integrator or {"plugin": "midpoint" if inertia else "quasi_static"}
+    if "cross_bridges" in scene.effects:
+        tables["coupling"] = scene.coupling or {"plugin": "splitting" if inertia else "corrected"}
+    elif scene.coupling is not None:
+        raise ParameterError("coupling", "is given, but there is nothing to couple: no effect 'cross_bridges'")
+    return tables
+
+
+def _part(plugins: Registry, section: str, table: Mapping[str, Any], scene: Scene) -> Any:
+    try:
+        return build(plugins, FAMILY_OF_SECTION[section], table, scene.effects, scene.folder or Path())
+    except ParameterError as error:
+        raise ParameterError(f"{section}.{error.key}", error.problem) from None
+    except PluginError as error:
+        raise ParameterError(f"{section}.plugin", str(error)) from None
+
+
+def _supplied(section: str, part: Any) -> frozenset[str]:
+    cls = type(part)
+    effects = frozenset({section}) if section in SECTIONS else frozenset[str]()
+    effects |= getattr(cls, "inherent_effects", frozenset()) | optional_effects(cls)
+    for name, item in declared(cls).items():
+        inner = getattr(part, name, None)
+        if item.kind == "part" and inner is not None:
+            effects |= _supplied("", inner)
+    if section == "integrator" and cls.inertia:
+        effects |= {"inertia"}
+    return effects
+
+
+def _check_suppliers(scene: Scene, plugins: Registry, parts: Mapping[str, Any]) -> None:
+    for index, effect in enumerate(scene.effects):
+        if effect == "inertia" or any(effect in _supplied(section, part) for section, part in parts.items()):
+            continue
+        chosen = ", ".join(f"{section} '{type(part).__name__}'" for section, part in parts.items())
+        others = suppliers(plugins, effect)
+        hint = f"Supplied by: {', '.join(others)}." if others else "No installed plugin supplies it."
+        raise ParameterError(
+            f"scene.effects[{index}]", f"'{effect}' is supplied by none of the chosen plugins ({chosen}). {hint}"
+        )
+
+
+def _check_inertia(scene: Scene, parts: Mapping[str, Any]) -> None:
+    wanted = "inertia" in scene.effects
+    integrator, solid = parts["integrator"], parts["solid"]
+    if wanted and not solid.inertia:
+        raise ParameterError("scene.effects", f"'inertia' has no supplier: {type(solid).__name__} has no mass")
+    if wanted and not integrator.inertia:
+        raise ParameterError(
+            "integrator.plugin", "leaves inertia out, and the scene calls for 'inertia'; drop one of the two"
+        )
+    if not wanted and integrator.inertia:
+        raise ParameterError(
+            "integrator.plugin",
+            "integrates inertia, and the scene does not call for it; add 'inertia' to scene.effects",
+        )
+
+
+def _where(scene: Scene, key: str) -> str:
+    if not scene.source:
+        return ""
+    try:
+        written = Path(scene.source).read_text(encoding="utf-8")
+    except OSError:
+        return f"{scene.source}: "
+    return locate(scene.source, written, key)

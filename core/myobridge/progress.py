@@ -1,0 +1,63 @@
+"""Progress: what a person sees of a run; settings before, one line during, ledger and times after."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from myobridge.interfaces import StepReport
+from myobridge.plan import Plan
+from myobridge.results import Result
+from myobridge.run import Run
+from myobridge.simulation import Simulation
+from myobridge.tables import effects_table, ledger_table, settings_table, shares_table
+
+__all__ = ["follow"]
+
+# A line more often than ten times a second shows nothing more and costs time.
+_INTERVAL = 0.1
+
+
+def follow(run: Run, plan: Plan, end: float, *, quiet: bool = False) -> Result:
+    """Run to `end` [s], showing how it goes; on Ctrl-C and failure the tables and the file are there all the same."""
+    if quiet:
+        return run.to(end)
+    console = Console()
+    console.print(settings_table(plan))
+    console.print(effects_table(plan))
+    started = perf_counter()
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.fields[state]}"),
+        TimeRemainingColumn(),
+    )
+    try:
+        with Progress(*columns, console=console, transient=False) as progress:
+            task = progress.add_task(plan.scene.name, total=end, state="")
+            shown = 0.0
+
+            def after_step(simulation: Simulation, report: StepReport) -> None:
+                nonlocal shown
+                now = perf_counter()
+                if now - shown > _INTERVAL or simulation.finished(end):
+                    shown = now
+                    progress.update(task, completed=min(simulation.time, end), state=_state(simulation, report))
+
+            return run.to(end, after_step)
+    finally:
+        wall = perf_counter() - started
+        console.print(ledger_table(run))
+        console.print(shares_table(run, wall))
+        simulation = run.simulation
+        console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {wall:.2f} s; wrote {run.output}")
+
+
+def _state(simulation: Simulation, report: StepReport) -> str:
+    dt = simulation.control.dt / 2**simulation.control.halvings
+    return (
+        f"t = {1e3 * simulation.time:.2f} ms, dt = {1e3 * dt:.3g} ms, {report.iterations} iterations, "
+        f"energy drift {simulation.ledger.drift:+.1e}"
+    )

@@ -1,0 +1,217 @@
+"""Recording: which quantities of a running simulation are kept, how often, at which sites."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+
+from myobridge.errors import ParameterError, nearest
+from myobridge.interfaces import Array
+from myobridge.parameters import integer, number, numbers
+from myobridge.simulation import Simulation
+
+__all__ = ["QUANTITIES", "DensitySnapshot", "Record", "Recorder"]
+
+QUANTITIES: Mapping[str, str] = {
+    "stretch": "fibre stretch at the sites [-]",
+    "stretch_rate": "its rate [1/s]",
+    "tension": "nominal active stress of the mechanics stage [Pa]",
+    "activation": "activation at the sites [-]",
+    "moments": "Q0, Q1, Q2 of the population",
+    "energy": "every entry of the ledger [J]",
+    "reactions": "force of each support on the solid [N]",
+    "displacement": "free displacements of the solid [m]",
+    "momentum": "linear and angular momentum of the solid",
+}
+_DEFAULT = ("stretch", "stretch_rate", "tension", "activation", "moments", "energy", "reactions")
+
+
+def _quantities(value: Any) -> tuple[str, ...]:
+    if isinstance(value, str) or not all(isinstance(item, str) for item in value):
+        raise ParameterError("quantities", f"is {value!r}; expected a list of names. {nearest('', QUANTITIES)}")
+    for item in value:
+        if item not in QUANTITIES:
+            raise ParameterError("quantities", f"has no '{item}'. {nearest(item, QUANTITIES)}")
+    return tuple(value)
+
+
+def _indices(value: Any) -> tuple[int, ...] | None:
+    if value is None:
+        return None
+    if isinstance(value, str) or not all(isinstance(item, int) and item >= 0 for item in value) or not value:
+        raise ParameterError("sites", f"is {value!r}; expected a list of site numbers, counted from 0")
+    return tuple(value)
+
+
+@attrs.frozen(kw_only=True)
+class Record:
+    """What to keep of a run.
+
+    Parameters
+    ----------
+    every : int
+        Steps from one row to the next; the first and the last state are always rows.
+    quantities : sequence of str
+        Out of `QUANTITIES`.
+    sites : sequence of int, optional
+        Sites to keep; all without.
+    points : sequence of float, optional
+        Keep the sites nearest to these reference positions along the first axis [m] instead.
+    density_at : sequence of float
+        Times at which the attached fraction over displacement is kept; steps end there.
+    checkpoint_every : float
+        Seconds of computing from one complete file on disk to the next.
+    """
+
+    every: int = integer(1, within="[1, inf)", doc="steps from one row to the next")
+    quantities: tuple[str, ...] = attrs.field(default=_DEFAULT, converter=_quantities)
+    sites: tuple[int, ...] | None = attrs.field(default=None, converter=_indices)
+    points: tuple[float, ...] | float | None = numbers(None, unit="m", doc="keep the sites nearest to these positions")
+    density_at: tuple[float, ...] | float = numbers(
+        -1.0, unit="s", within="[-1, inf)", doc="times at which the density is kept"
+    )
+    checkpoint_every: float = number(30.0, unit="s", within="(0, inf)", doc="computing time between files")
+
+    def columns(self, simulation: Simulation) -> np.ndarray:
+        """Indices of the sites that are kept."""
+        n_sites = simulation.solid.n_sites
+        if self.points is not None:
+            along = simulation.solid.site_positions()[:, 0]
+            return np.array([int(np.argmin(np.abs(along - point))) for point in np.atleast_1d(self.points)])
+        if self.sites is None:
+            return np.arange(n_sites)
+        if max(self.sites) >= n_sites:
+            raise ParameterError("sites", f"names site {max(self.sites)}; the solid has sites 0 to {n_sites - 1}")
+        return np.array(self.sites)
+
+    def density_times(self) -> list[float]:
+        """Times at which the density is kept [s], sorted."""
+        return sorted(float(time) for time in np.atleast_1d(self.density_at) if time >= 0.0)
+
+
+@attrs.frozen(eq=False)
+class DensitySnapshot:
+    """Attached fraction over displacement [reach] at one time; both (n_sites, n_points)."""
+
+    time: float
+    position: Array
+    fraction: Array
+
+
+class _Rows:
+    """Rows of one quantity in an array that grows by doubling."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self._data = np.empty((16, *shape))
+        self._count = 0
+
+    @classmethod
+    def of(cls, rows: Array) -> _Rows:
+        """Rows that exist already."""
+        made = cls(rows.shape[1:])
+        made._data, made._count = np.array(rows), len(rows)
+        return made
+
+    def append(self, row: Array) -> None:
+        if self._count == len(self._data):
+            self._data = np.concatenate([self._data, np.empty_like(self._data)])
+        self._data[self._count] = row
+        self._count += 1
+
+    @property
+    def array(self) -> Array:
+        return self._data[: self._count]
+
+
+class Recorder:
+    """Keeps rows of a simulation as a `Record` says."""
+
+    def __init__(self, record: Record, simulation: Simulation) -> None:
+        self.record = record
+        self.columns = record.columns(simulation)
+        self.snapshots: list[DensitySnapshot] = []
+        self._rows: dict[str, _Rows] = {}
+        self._pending = record.density_times()
+        self._last_time = -np.inf
+        self._sources = _sources(record, simulation, self.columns)
+        simulation.stop_at([time for time in self._pending if time > 0.0])
+
+    def resume(self, series: Mapping[str, Array], snapshots: list[DensitySnapshot]) -> None:
+        """Take over the rows of an earlier run."""
+        for name, rows in series.items():
+            self._rows[name] = _Rows.of(rows)
+        self.snapshots = list(snapshots)
+        self._last_time = float(series["time"][-1])
+        self._pending = [time for time in self._pending if time > self._last_time + 1e-12]
+
+    def observe(self, simulation: Simulation, *, last: bool = False) -> None:
+        """Keep a row if it is due, and a density snapshot if its time has come."""
+        time = simulation.time
+        while self._pending and time >= self._pending[0] - 1e-9 * max(1.0, time):
+            self._pending.pop(0)
+            self._snapshot(simulation)
+        due = simulation.steps % self.record.every == 0 or last
+        if not due or time == self._last_time:
+            return
+        self._last_time = time
+        for source in self._sources:
+            for name, value in source().items():
+                if name not in self._rows:
+                    self._rows[name] = _Rows(value.shape)
+                self._rows[name].append(value)
+
+    def series(self) -> dict[str, Array]:
+        """All rows so far by name, ``(n_rows,)`` or ``(n_rows, n_sites)``."""
+        return {name: rows.array for name, rows in self._rows.items()}
+
+    def _snapshot(self, simulation: Simulation) -> None:
+        if simulation.bus is None:
+            return
+        density = simulation.bus.model.density(np.array(simulation.bus.population[self.columns]))
+        if density is not None:
+            self.snapshots.append(DensitySnapshot(simulation.time, *density))
+
+
+def _sources(record: Record, simulation: Simulation, columns: np.ndarray) -> list[Callable[[], Mapping[str, Array]]]:
+    """Functions that read the wanted quantities; what nobody wants is not computed."""
+    wanted = set(record.quantities)
+    solid, bus = simulation.solid, simulation.bus
+    sources: list[Callable[[], Mapping[str, Array]]] = [lambda: {"time": np.asarray(simulation.time)}]
+
+    def add(name: str, source: Callable[[], Mapping[str, Array]]) -> None:
+        if name in wanted:
+            sources.append(source)
+
+    add("energy", lambda: {f"energy/{k}": np.asarray(v) for k, v in simulation.ledger.entries().items()})
+    add("displacement", lambda: {"displacement": simulation.motion.displacement})
+    add(
+        "momentum",
+        lambda: {
+            "momentum": solid.momentum(simulation.motion),
+            "angular_momentum": solid.angular_momentum(simulation.motion),
+        },
+    )
+
+    def reactions() -> Mapping[str, Array]:
+        tension = np.zeros(solid.n_sites) if bus is None else bus.tension
+        found = solid.reactions(simulation.motion, tension, simulation.time)
+        return {f"reaction/{name}": value for name, value in found.items()}
+
+    add("reactions", reactions)
+    if bus is None:
+        add("stretch", lambda: {"stretch": solid.stretch(simulation.motion.displacement, simulation.time)[columns]})
+        return sources
+    add("stretch", lambda: {"stretch": bus.stretch[columns]})
+    add("stretch_rate", lambda: {"stretch_rate": bus.stretch_rate[columns]})
+    add("tension", lambda: {"tension": bus.tension[columns]})
+    add("activation", lambda: {"activation": bus.activation[columns]})
+
+    def moments() -> Mapping[str, Array]:
+        found = bus.moments()[columns]
+        return {f"Q{k}": found[:, k] for k in range(found.shape[1])}
+
+    add("moments", moments)
+    return sources

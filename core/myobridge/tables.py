@@ -1,0 +1,115 @@
+"""Tables that the command line prints: plan, effective settings, plugins, the end of a run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from rich.table import Table
+
+from myobridge.ledger import FLOWS, STORED
+from myobridge.parameters import declared
+from myobridge.plan import Plan
+from myobridge.registry import Registry
+from myobridge.run import Run
+
+__all__ = ["effects_table", "ledger_table", "plugins_json", "plugins_table", "settings_table", "shares_table"]
+
+
+def settings_table(plan: Plan) -> Table:
+    """Effective settings: every parameter of every chosen plugin, given or not."""
+    table = Table(title=f"settings of '{plan.scene.name}'", title_justify="left")
+    for column in ("section", "parameter", "value", "unit"):
+        table.add_column(column)
+    table.add_row("scene", "duration", f"{plan.scene.duration:g}", "s")
+    table.add_row("", "step", f"{plan.scene.step:g}", "s")
+    for section, part in plan.parts.items():
+        table.add_row(section, "plugin", plan.names[section], "-", end_section=not declared(type(part)))
+        for name, item in declared(type(part)).items():
+            value = getattr(part, name)
+            if item.effect and item.effect not in plan.scene.effects:
+                continue
+            table.add_row("", name, _short(value), item.unit)
+    return table
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, tuple) and len(value) > 4:
+        return f"{len(value)} values, {min(value):g} to {max(value):g}"
+    said = declared(type(value))
+    if said:
+        inner = ", ".join(f"{name}={_short(getattr(value, name))}" for name in said)
+        return f"{type(value).__name__}({inner})"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def effects_table(plan: Plan) -> Table:
+    """Effects on, inherent and off."""
+    table = Table(title="effects", title_justify="left")
+    for column in ("effect", "state", "by / why not"):
+        table.add_column(column)
+    colours = {"on": "green", "inherent": "cyan", "off": "dim"}
+    for effect, state, reason in plan.effects():
+        table.add_row(effect, f"[{colours[state]}]{state}[/]", f"[dim]{reason}[/]" if state == "off" else reason)
+    return table
+
+
+def ledger_table(run: Run) -> Table:
+    """Energies stored and flowed, and what does not add up."""
+    entries = run.simulation.ledger.entries()
+    table = Table(title="ledger", title_justify="left")
+    table.add_column("entry")
+    table.add_column("value", justify="right")
+    table.add_column("")
+    for name in STORED:
+        table.add_row(name.replace("_", " "), f"{entries[name]: .6e} J", "stored now")
+    for name in FLOWS:
+        table.add_row(name.replace("_", " "), f"{entries[name]: .6e} J", "since the start")
+    table.add_row("residual", f"{entries['residual']: .2e}", "last step, relative to the largest energy")
+    table.add_row("drift", f"{entries['drift']: .2e}", "since the start, same measure")
+    return table
+
+
+def shares_table(run: Run, wall: float) -> Table:
+    """Share of the computing time of each phase."""
+    simulation = run.simulation
+    seconds: dict[str, float] = dict(simulation.seconds) | {"recording": run.recording_seconds}
+    rest = max(wall - sum(seconds.values()), 0.0)
+    table = Table(title="time", title_justify="left")
+    table.add_column("phase")
+    table.add_column("seconds", justify="right")
+    table.add_column("share", justify="right")
+    for name, value in {**seconds, "rest": rest}.items():
+        share = value / wall if wall > 0.0 else 0.0
+        table.add_row(name.replace("_", " "), f"{value:.3f}", f"{100.0 * share:.1f} %")
+    steps = max(simulation.steps, 1)
+    table.add_row("a step", f"{wall / steps:.2e}", f"{simulation.iterations / steps:.2f} iterations")
+    return table
+
+
+def plugins_table(registry: Registry) -> Table:
+    """What is installed."""
+    table = Table(title="plugins", title_justify="left")
+    for column in ("name", "family", "package", "version", "effects", "description"):
+        table.add_column(column, overflow="fold")
+    for item in registry:
+        effects = ", ".join(sorted(item.inherent_effects | item.optional_effects))
+        table.add_row(item.name, item.family, item.package, item.version, effects or "-", item.summary)
+    return table
+
+
+def plugins_json(registry: Registry) -> str:
+    """What is installed, for programs."""
+    rows: list[Mapping[str, Any]] = [
+        {
+            "name": item.name,
+            "family": item.family,
+            "package": item.package,
+            "version": item.version,
+            "effects": sorted(item.inherent_effects | item.optional_effects),
+            "description": item.summary,
+        }
+        for item in registry
+    ]
+    return json.dumps(rows, indent=2)
