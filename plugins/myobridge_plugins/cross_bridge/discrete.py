@@ -36,7 +36,8 @@ class Discrete(CrossBridgeModel):
     to the Liouville equation (`liouville`): stratified heads with 1/N^2, random ones with 1/sqrt(N).
 
     State: displacement of each head, shape (n_sites, heads) [reach].
-    Promises: `slide` is exact. No head lets go, so there is no steady state and no statics; the activation does not act.
+    Promises: `slide` is exact. No head lets go, so there is no steady state and no statics, and the activation does not
+    act.
 
     Parameters
     ----------

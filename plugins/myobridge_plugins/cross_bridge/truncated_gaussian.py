@@ -1,11 +1,12 @@
 r"""Moments of a Gaussian that decays exponentially in q, over the three pieces of the line between 0 and 1.
 
-.. math:: M_k = \int_A^B q^k\, e^{-a q + b}\, \frac{1}{\sigma\sqrt{2\pi}} e^{-(q-\mu)^2/2\sigma^2}\,dq, \quad k = 0 \ldots 3
+.. math:: M_k = \int_A^B q^k\, e^{-a q + b}\, \frac{1}{\sigma\sqrt{2\pi}} e^{-(q-\mu)^2/2\sigma^2}\,dq,
+          \quad k = 0 \ldots 3
 
 Closed forms by erfc lose all digits in the tails, so each case has the form that only adds what is positive:
 
 * tail (:math:`\alpha = (A - m)/\sigma > 0`, m the mean of the tilted Gaussian): the moments about A are
-  :math:`e^{..} \sigma^k J_k(\alpha)/\sqrt{2\pi}` with :math:`J_k = \int_0^\infty t^k e^{-t^2/2-\alpha t} dt`, whose ratios
+  :math:`e^{..} \sigma^k J_k(\alpha)/\sqrt{2\pi}`, :math:`J_k = \int_0^\infty t^k e^{-t^2/2-\alpha t} dt`, whose ratios
   :math:`R_k = J_k/J_{k-1} = k/(\alpha + R_{k+1})` are a continued fraction: no erfcx, no overflow, no cancellation;
 * otherwise erfc and the recurrence of the Gaussian's moments;
 * between 0 and 1 where the integrand is flat, Gauss-Legendre with 16 nodes (a difference of two tails would cancel).
