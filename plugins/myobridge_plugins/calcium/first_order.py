@@ -61,8 +61,8 @@ class FirstOrder(ActivationKinetics):
     def advance(self, state: Array, stimulation: Array, dt: float) -> tuple[Array, Array]:
         x = dt / np.where(stimulation > state, self.rise, self.decay)
         lag = state - stimulation
-        # -expm1(-x)/x, and 1 at x = 0; the smallest normal number avoids the branch.
-        share = -np.expm1(-x) / np.maximum(x, np.finfo(float).tiny) if dt > 0.0 else np.ones_like(x)
+        # (1 - exp(-x))/x; for small x its series, exact to round-off below 1e-8 and free of 0/0.
+        share = np.where(x > 1e-8, -np.expm1(-x) / np.maximum(x, 1e-8), 1.0 - 0.5 * x)
         return stimulation + lag * np.exp(-x), stimulation + lag * share
 
 

@@ -27,13 +27,13 @@ class DistributedMoment(CrossBridgeModel):
               F_k = \int q^k (r f + g)\,\rho_G\,dq, \qquad k = 0, 1, 2
 
     with the Gaussian :math:`\rho_G` of the moments Q and the rates f = f1 q on (0, 1); g = g2 for q < 0, g1 q on
-    (0, 1), g1 q + g3 (q - 1) beyond. Tension :math:`p_{max} Q_1/Q_1^{iso}`, stiffness :math:`s\,p_{max} Q_0/Q_1^{iso}`, energy
-    :math:`p_{max} Q_2 / (2 s\,Q_1^{iso})`, all per reference volume, nominal.
+    (0, 1), g1 q + g3 (q - 1) beyond. Nominal tension :math:`p_{max} Q_1/Q_1^{iso}`,
+    stiffness :math:`s\,p_{max} Q_0/Q_1^{iso}`, energy per reference volume :math:`p_{max} Q_2 / (2 s\,Q_1^{iso})`.
 
     State: Q0, Q1, Q2, shape (n_sites, 3) [-], q in units of the reach.
     Promises: `slide` is exact. With `projection` and `extrapolated` the moments stay realizable (Q0 >= 0,
-    Q0 Q2 >= Q1^2) for every step and speed; order 1 and 2 in the step. With `explicit_euler` neither. The Gaussian may exceed 1, so
-    no bounds are promised for the fraction itself.
+    Q0 Q2 >= Q1^2) for every step and speed; order 1 and 2 in the step. With `explicit_euler` they do not. The Gaussian
+    may exceed 1, so no bounds are promised for the fraction itself.
 
     Parameters
     ----------

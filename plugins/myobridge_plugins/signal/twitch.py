@@ -58,8 +58,10 @@ class Twitch(Signal):
     def mean(self, start: float, end: float) -> Array:
         if end <= start:
             return self.value(start)
-        x0 = max(start - self.start, 0.0) / self.time_to_peak
-        d = max(end - self.start, 0.0) / self.time_to_peak - x0
+        # d from the times, not as a difference of x, which would lose the digits of a short interval.
+        first, last = max(start, self.start), max(end, self.start)
+        x0 = (first - self.start) / self.time_to_peak
+        d = (last - first) / self.time_to_peak
         integral = math.exp(1.0 - x0) * (-(1.0 + x0) * math.expm1(-d) - d * math.exp(-d))
         return np.asarray(self._amplitude * (integral * self.time_to_peak / (end - start)))
 
