@@ -38,8 +38,8 @@ def _mills(alpha: float) -> _Moments:
         j1 = 1.0 - alpha * j0
         j2 = j0 - alpha * j1
         return j0, j1, j2, 2.0 * j1 - alpha * j2
-    # The fraction converges like exp(-2 alpha sqrt(2 n)): n terms for 1e-17.
-    n = 6 + int(200.0 / (alpha * alpha))
+    # The fraction converges like exp(-2 alpha (sqrt(2 n) - sqrt(6))) for R_3, like n!/alpha^2n for large alpha.
+    n = 12 + int(250.0 / (alpha * alpha))
     ratio = 0.0
     r3 = r2 = r1 = 0.0
     for k in range(n, 0, -1):
