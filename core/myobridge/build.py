@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 
-from myobridge.errors import ParameterError, nearest
+from myobridge.errors import MyobridgeError, ParameterError, PluginError, nearest
 from myobridge.parameters import Declaration, declared
 from myobridge.registry import Registry
 
@@ -36,12 +36,17 @@ def build(
 
     Raises
     ------
-    ParameterError, PluginError
+    ParameterError
+        Naming the key, what is allowed and the nearest match; also when the plugin's own code raises.
     """
     values = dict(table)
     if "plugin" not in values:
         raise ParameterError("plugin", f"is missing. {nearest('', registry.names(family))}")
-    cls = registry.find(family, str(values.pop("plugin"))).cls
+    try:
+        found = registry.find(family, str(values.pop("plugin")))
+    except PluginError as error:
+        raise ParameterError("plugin", str(error)) from None
+    cls = found.cls
     said = declared(cls)
     values = {**_parameter_set(cls, values), **values}
     for key in values:
@@ -54,7 +59,14 @@ def build(
             values[key] = _value(registry, key, item, values[key], effects, folder)
         elif _required(cls, key):
             raise ParameterError(key, f"is missing; '{table['plugin']}' needs {item.allowed()}: {item.doc}")
-    return cls(**values)
+    try:
+        return cls(**values)
+    except MyobridgeError:
+        raise
+    except Exception as error:  # a stranger's constructor may raise anything; say whose it was
+        raise ParameterError(
+            "plugin", f"'{found.name}' of package '{found.package}' cannot be built: {type(error).__name__}: {error}"
+        ) from error
 
 
 def _parameter_set(cls: type[Any], values: dict[str, Any]) -> Mapping[str, Any]:
@@ -62,7 +74,7 @@ def _parameter_set(cls: type[Any], values: dict[str, Any]) -> Mapping[str, Any]:
         return {}
     name = values.pop("parameters")
     sets: Mapping[str, Mapping[str, Any]] = getattr(cls, "parameter_sets", {})
-    if name not in sets:
+    if not isinstance(name, str) or name not in sets:
         raise ParameterError("parameters", f"has no set '{name}'. {nearest(str(name), sets)}")
     return sets[name]
 

@@ -101,11 +101,20 @@ class Splitting(CouplingScheme):
 class Corrected(CouplingScheme):
     r"""One corrector on the exact path: predict with the affine law, redo the population along the path, correct.
 
-    The population is advanced to the integrator's stage (end point or midpoint), its law expanded there, and the
-    solid solved once more. Order 2 without inertia.
+    The population is advanced to the integrator's stage (end point or midpoint), and the solid is solved once more
+    with the affine law through two tensions that are known by then: after the step with the filaments held, and after
+    the step along the predicted path,
+
+    .. math:: T(\lambda) = T_1 + \max\Bigl(\frac{T_1 - T_0}{\lambda_1 - \lambda_0}, 0\Bigr) (\lambda - \lambda_1) .
+
+    This secant knows how the population yields along the path; the frozen population's slope does not, and costs four
+    times the error. Order 2 without inertia.
     """
 
     summary: ClassVar[str] = "predict with the frozen law, redo the population along the path, correct once"
+
+    # Below this displacement of the heads [reach] the secant is mostly round-off.
+    SMALLEST = 1e-6
 
     def step(
         self,
@@ -120,16 +129,15 @@ class Corrected(CouplingScheme):
         if solid.n_unknowns == 0:
             return _follow(bus, solid, motion, memory, time, dt)
         stage = integrator.stage
-        if stage > 0.0:
-            start = bus.stretch
+        if stage == 0.0:
+            law = bus.active_law()
+        else:
             bus.react(stage * dt)
-            predicted = integrator.step(solid, bus.active_law(), motion, memory, time, dt)
+            held = bus.active_law()
+            predicted = integrator.step(solid, held, motion, memory, time, dt)
             if not predicted.report.converged:
                 return predicted
-            end = solid.stretch(predicted.motion.displacement, time + dt)
-            bus.restart()
-            bus.advance(start + stage * (end - start), stage * dt)
-        law = bus.active_law()
+            law = self._along_path(bus, solid, held, predicted.motion, time, dt, stage)
         result = integrator.step(solid, law, motion, memory, time, dt)
         if not result.report.converged:
             return result
@@ -138,6 +146,32 @@ class Corrected(CouplingScheme):
         bus.advance(stretch, dt)
         _record(bus, law if stage == 1.0 else bus.active_law(), stretch, rate, dt)
         return result
+
+    def _along_path(
+        self,
+        bus: CouplingBus,
+        solid: MacroSolid,
+        held: ActiveLaw,
+        predicted: Motion,
+        time: float,
+        dt: float,
+        stage: float,
+    ) -> ActiveLaw:
+        """Law through the tension with filaments held and the tension along the predicted path."""
+        start = bus.stretch
+        target = start + stage * (solid.stretch(predicted.displacement, time + dt) - start)
+        bus.restart()
+        bus.advance(target, stage * dt)
+        law = bus.active_law()
+        if not law.has_potential:
+            return law  # a law of the rate holds along the whole path as it is
+        rate = np.zeros_like(target)
+        before, after = held.evaluate(start, rate), law.evaluate(target, rate)
+        moved = target - start
+        far = np.abs(bus.model.gear * moved) > self.SMALLEST
+        secant = (after.tension - before.tension) / np.where(far, moved, 1.0)
+        slope = np.where(far, np.maximum(secant, 0.0), after.stiffness)
+        return AffineLaw(target, after.tension, slope, law.inertance)
 
 
 @final

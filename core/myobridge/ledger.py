@@ -15,7 +15,6 @@ __all__ = ["FLOWS", "STORED", "Ledger"]
 
 STORED = ("kinetic", "elastic", "cross_bridge")
 FLOWS = ("attached", "detached", "active_work", "external", "viscous", "numerical")
-_SIGN = {"attached": 1.0, "detached": -1.0, "active_work": 1.0, "external": 1.0, "viscous": -1.0, "numerical": 1.0}
 
 
 @attrs.define(eq=False)
@@ -59,17 +58,34 @@ class Ledger:
         """Energy stored now [J]."""
         return self.kinetic + self.elastic + self.cross_bridge
 
-    def close(self, *, kinetic: float, elastic: float, cross_bridge: float, **flows: float) -> None:
+    def close(
+        self,
+        *,
+        kinetic: float,
+        elastic: float,
+        cross_bridge: float,
+        attached: float = 0.0,
+        detached: float = 0.0,
+        active_work: float = 0.0,
+        external: float = 0.0,
+        viscous: float = 0.0,
+        numerical: float = 0.0,
+    ) -> None:
         """Book one step: the stores at its end and the flows during it [J]; finds the residual."""
         before = self.total
-        gained = 0.0
-        for name, amount in flows.items():
-            setattr(self, name, getattr(self, name) + amount)
-            gained += _SIGN[name] * amount
         self.kinetic, self.elastic, self.cross_bridge = kinetic, elastic, cross_bridge
-        self.largest = max(self.largest, abs(self.total))
-        self.largest_flow = max(self.largest_flow, *(abs(amount) for amount in flows.values()), 0.0)
-        step = self.total - before - gained
+        self.attached += attached
+        self.detached += detached
+        self.active_work += active_work
+        self.external += external
+        self.viscous += viscous
+        self.numerical += numerical
+        now = self.total
+        self.largest = max(self.largest, abs(now))
+        if self.largest == 0.0:  # nothing is stored: measure by what flows
+            flows = (attached, detached, active_work, external, viscous, numerical)
+            self.largest_flow = max(self.largest_flow, *(abs(amount) for amount in flows))
+        step = now - before - (attached - detached + active_work + external - viscous + numerical)
         self.imbalance += step
         scale = self.largest or self.largest_flow or 1.0
         self.residual = step / scale

@@ -16,6 +16,7 @@ unless the scene calls for the effect, and takes `on` when the scene calls for t
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -129,14 +130,17 @@ def numbers(
     effect: str = "",
     on: Any = None,
 ) -> Any:
-    """One number for all sites, or a sequence with one for each; held as float or tuple of floats."""
+    """One number for all sites, or a sequence with one for each; held as float or tuple of floats.
+
+    An empty sequence is allowed where it is the default.
+    """
     said = Declaration("numbers", doc, unit, Interval(within), effect=effect, on=on)
 
     def check(key: str, value: Any) -> Any:
         if isinstance(value, np.ndarray):
             value = value.tolist()
         if isinstance(value, Sequence) and not isinstance(value, str):
-            if not value:
+            if not value and default != ():
                 raise ParameterError(key, f"is empty; expected {said.allowed()}")
             return tuple(_real(f"{key}[{i}]", item, said) for i, item in enumerate(value))
         return _real(key, value, said)
@@ -149,10 +153,10 @@ def integer(default: Any = _REQUIRED, *, doc: str, within: str = "[0, inf)", eff
     said = Declaration("integer", doc, "-", Interval(within), effect=effect, on=on)
 
     def check(key: str, value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
+        if isinstance(value, bool) or not hasattr(value, "__index__"):
             raise ParameterError(key, f"is {value!r}; expected {said.allowed()}")
         _real(key, value, said)
-        return value
+        return operator.index(value)
 
     return _field(default, said, check)
 
@@ -204,7 +208,10 @@ def part(family: str, default: Any = _REQUIRED, *, doc: str, effect: str = "", o
 def _real(key: str, value: Any, said: Declaration) -> float:
     if isinstance(value, bool) or (not isinstance(value, int | float) and not hasattr(value, "__float__")):
         raise ParameterError(key, f"is {value!r}; expected {said.allowed()}")
-    result = float(value)
+    try:
+        result = float(value)
+    except (TypeError, ValueError, OverflowError):  # an array, or a whole number beyond all floats
+        raise ParameterError(key, f"is {value!r}; expected {said.allowed()}") from None
     if not math.isfinite(result) or (said.within is not None and result not in said.within):
         raise ParameterError(key, f"is {value!r}; expected {said.allowed()}")
     return result

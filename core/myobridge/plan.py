@@ -10,10 +10,11 @@ import attrs
 
 from myobridge.build import build
 from myobridge.effects import EFFECTS, FAMILY_OF_SECTION, SECTIONS, known_effects, suppliers
-from myobridge.errors import MyobridgeError, ParameterError, PluginError, SceneError, nearest
+from myobridge.errors import MyobridgeError, ParameterError, SceneError, nearest
+from myobridge.look_ahead import check_activation, check_prescribed_stretch
 from myobridge.parameters import declared, optional_effects
 from myobridge.registry import Registry, registry
-from myobridge.scene import Scene, locate
+from myobridge.scene import Scene
 from myobridge.simulation import Simulation
 
 __all__ = ["Plan"]
@@ -52,17 +53,27 @@ class Plan:
             _check_suppliers(scene, found, parts)
             _check_inertia(scene, parts)
         except ParameterError as error:
-            raise SceneError(f"{_where(scene, error.key)}{error.key}: {error.problem}") from None
+            raise SceneError(f"{scene.origin.of(error.key)}{error.key}: {error.problem}") from None
         return cls(scene, parts, {section: str(table["plugin"]) for section, table in tables.items()})
 
     def simulation(self) -> Simulation:
-        """The simulation, ready to step."""
-        parts = dict(self.parts)
+        """The simulation, ready to step.
+
+        Raises
+        ------
+        SceneError
+            If the parts do not go together, or would not at some later time.
+        """
+        scene, parts = self.scene, dict(self.parts)
         try:
-            return Simulation(dt=self.scene.step, **parts)
+            simulation = _composed(scene, parts)
+            _check_record(scene, simulation)
+        except ParameterError as error:
+            raise SceneError(f"{scene.origin.of(error.key)}{error.key}: {error.problem}") from None
         except MyobridgeError as error:
             section = str(error).partition(":")[0]
-            raise SceneError(f"{_where(self.scene, section)}{error}") from None
+            raise SceneError(f"{scene.origin.of(section)}{error}") from None
+        return simulation
 
     def effects(self) -> list[tuple[str, str, str]]:
         """(effect, "on" | "off" | "inherent", what supplies it or why it is off), for every known effect."""
@@ -127,8 +138,25 @@ def _part(plugins: Registry, section: str, table: Mapping[str, Any], scene: Scen
         return build(plugins, FAMILY_OF_SECTION[section], table, scene.effects, scene.folder or Path())
     except ParameterError as error:
         raise ParameterError(f"{section}.{error.key}", error.problem) from None
-    except PluginError as error:
-        raise ParameterError(f"{section}.plugin", str(error)) from None
+
+
+def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
+    solid, activation = parts["solid"], parts.get("activation")
+    if activation is not None:
+        check_activation(activation, solid.n_sites, scene.duration)
+    if solid.n_unknowns == 0:
+        check_prescribed_stretch(solid, scene.duration)
+    try:
+        return Simulation(dt=scene.step, **parts)
+    except ParameterError as error:  # the density is the only part that meets the sites at this moment
+        raise ParameterError(f"sarcomere_density.{error.key}", error.problem) from None
+
+
+def _check_record(scene: Scene, simulation: Simulation) -> None:
+    try:
+        scene.record.columns(simulation)
+    except ParameterError as error:
+        raise ParameterError(f"record.{error.key}", error.problem) from None
 
 
 def _supplied(section: str, part: Any) -> frozenset[str]:
@@ -170,13 +198,3 @@ def _check_inertia(scene: Scene, parts: Mapping[str, Any]) -> None:
             "integrator.plugin",
             "integrates inertia, and the scene does not call for it; add 'inertia' to scene.effects",
         )
-
-
-def _where(scene: Scene, key: str) -> str:
-    if not scene.source:
-        return ""
-    try:
-        written = Path(scene.source).read_text(encoding="utf-8")
-    except OSError:
-        return f"{scene.source}: "
-    return locate(scene.source, written, key)

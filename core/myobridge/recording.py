@@ -30,7 +30,7 @@ _DEFAULT = ("stretch", "stretch_rate", "tension", "activation", "moments", "ener
 
 
 def _quantities(value: Any) -> tuple[str, ...]:
-    if isinstance(value, str) or not all(isinstance(item, str) for item in value):
+    if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
         raise ParameterError("quantities", f"is {value!r}; expected a list of names. {nearest('', QUANTITIES)}")
     for item in value:
         if item not in QUANTITIES:
@@ -41,7 +41,10 @@ def _quantities(value: Any) -> tuple[str, ...]:
 def _indices(value: Any) -> tuple[int, ...] | None:
     if value is None:
         return None
-    if isinstance(value, str) or not all(isinstance(item, int) and item >= 0 for item in value) or not value:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    whole = isinstance(value, list | tuple) and all(type(item) is int and item >= 0 for item in value)
+    if not whole or not value:
         raise ParameterError("sites", f"is {value!r}; expected a list of site numbers, counted from 0")
     return tuple(value)
 
@@ -71,7 +74,7 @@ class Record:
     sites: tuple[int, ...] | None = attrs.field(default=None, converter=_indices)
     points: tuple[float, ...] | float | None = numbers(None, unit="m", doc="keep the sites nearest to these positions")
     density_at: tuple[float, ...] | float = numbers(
-        -1.0, unit="s", within="[-1, inf)", doc="times at which the density is kept"
+        (), unit="s", within="[0, inf)", doc="times at which the density is kept"
     )
     checkpoint_every: float = number(30.0, unit="s", within="(0, inf)", doc="computing time between files")
 
@@ -80,6 +83,7 @@ class Record:
         n_sites = simulation.solid.n_sites
         if self.points is not None:
             along = simulation.solid.site_positions()[:, 0]
+            self._check_points(along)
             return np.array([int(np.argmin(np.abs(along - point))) for point in np.atleast_1d(self.points)])
         if self.sites is None:
             return np.arange(n_sites)
@@ -87,9 +91,22 @@ class Record:
             raise ParameterError("sites", f"names site {max(self.sites)}; the solid has sites 0 to {n_sites - 1}")
         return np.array(self.sites)
 
+    def _check_points(self, along: Array) -> None:
+        """Every point lies no farther outside the sites than these lie from each other."""
+        if along.size == 1:  # one site stands for the whole solid
+            return
+        margin = float(np.max(np.diff(np.sort(along))))
+        low, high = float(along.min()) - margin, float(along.max()) + margin
+        for point in np.atleast_1d(np.asarray(self.points)):
+            if not low <= point <= high:
+                raise ParameterError(
+                    "points",
+                    f"names {point:g} m, outside the solid: its sites lie from {along.min():g} to {along.max():g} m",
+                )
+
     def density_times(self) -> list[float]:
         """Times at which the density is kept [s], sorted."""
-        return sorted(float(time) for time in np.atleast_1d(self.density_at) if time >= 0.0)
+        return sorted({float(time) for time in np.atleast_1d(self.density_at)})
 
 
 @attrs.frozen(eq=False)

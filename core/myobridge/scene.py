@@ -16,23 +16,33 @@ import attrs
 
 from myobridge.effects import EFFECTS, FAMILY_OF_SECTION
 from myobridge.errors import ParameterError, SceneError, nearest
+from myobridge.location import Origin
 from myobridge.parameters import declared, number, text
 from myobridge.recording import Record
 from myobridge.registry import registry
 
-__all__ = ["Scene", "locate"]
+__all__ = ["Scene"]
 
 Table = Mapping[str, Any]
 
 
-def _freeze(value: Any) -> Any:
+def _freeze(value: Any, key: str) -> Any:
+    """Frozen copy of plain data; `key` is for the message where it is not plain."""
     if isinstance(value, Mapping):
-        return MappingProxyType({str(key): _freeze(item) for key, item in value.items()})
+        # None says "not given", as a key that is not there.
+        items = {str(name): item for name, item in value.items() if item is not None}
+        return MappingProxyType({name: _freeze(item, f"{key}.{name}") for name, item in items.items()})
+    if hasattr(value, "tolist"):  # arrays and scalars of numpy
+        value = value.tolist()
     if isinstance(value, list | tuple):
-        return tuple(_freeze(item) for item in value)
-    if hasattr(value, "item") and not hasattr(value, "__len__"):
-        return value.item()
-    return value
+        return tuple(_freeze(item, f"{key}[{index}]") for index, item in enumerate(value))
+    if isinstance(value, str | int | float):
+        return value
+    raise ParameterError(
+        key,
+        f"is {value!r}; a scene is plain data: text, numbers, true or false, lists and tables. "
+        "Plugins that are built already go into mb.Simulation",
+    )
 
 
 def _thaw(value: Any) -> Any:
@@ -50,14 +60,15 @@ def _table(value: Any, _self: Any, field: attrs.Attribute[Any]) -> Table | None:
         value = {"plugin": value}
     if not isinstance(value, Mapping):
         raise ParameterError(field.name, f"is {value!r}; expected a table naming a plugin")
-    return _freeze(value)
+    return _freeze(value, field.name)
 
 
 def _effects(value: Any) -> tuple[str, ...]:
-    if isinstance(value, str) or not all(isinstance(item, str) for item in value):
+    if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
         raise ParameterError("effects", f"is {value!r}; expected a list of names. {nearest('', EFFECTS)}")
-    if len(set(value)) < len(value):
-        raise ParameterError("effects", f"names an effect twice: {', '.join(value)}")
+    for index, item in enumerate(value):
+        if item in value[:index]:
+            raise ParameterError(f"effects[{index}]", f"names '{item}' a second time; once is enough")
     return tuple(value)
 
 
@@ -84,6 +95,8 @@ class Scene:
         What is kept.
     folder : Path, optional
         Where files named in the scene are looked for; not part of the description.
+    origin : Origin, optional
+        Where it was written, for messages; not part of the description.
     """
 
     name: str = text("scene", doc="name of the scene")
@@ -99,7 +112,7 @@ class Scene:
     coupling: Table | None = _section()
     record: Record = attrs.field(factory=Record, converter=lambda value: _record(value))
     folder: Path | None = attrs.field(default=None, eq=False, repr=False)
-    source: str = attrs.field(default="", eq=False, repr=False)
+    origin: Origin = attrs.field(factory=Origin, eq=False, repr=False)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], settings: Mapping[str, Any] | None = None) -> Scene:
@@ -112,7 +125,7 @@ class Scene:
         """
         source = Path(path)
         try:
-            written = source.read_text(encoding="utf-8")
+            written = source.read_text(encoding="utf-8-sig")
         except OSError as error:
             raise SceneError(f"{source}: cannot be read ({error.strerror})") from None
         except UnicodeDecodeError:
@@ -128,35 +141,21 @@ class Scene:
             data = tomllib.loads(written)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{source or 'scene'}: is not valid TOML: {error}") from None
-        try:
-            for key, value in (settings or {}).items():
-                _override(data, key, value)
-            return cls._from_data(data, folder, source)
-        except ParameterError as error:
-            raise SceneError(f"{locate(source, written, error.key)}{error.key}: {error.problem}") from None
+        return cls._from_data(data, folder, Origin(source, written), settings or {})
 
     @classmethod
-    def _from_data(cls, data: Mapping[str, Any], folder: Path | None, source: str) -> Scene:
-        sections = [field.name for field in attrs.fields(cls) if field.name in _SECTIONS]
-        for key, value in data.items():
-            if key != "scene" and key not in sections:
-                raise ParameterError(key, f"is no section. {nearest(key, ['scene', *sections])}")
-            if not isinstance(value, Mapping):
-                raise ParameterError(key, f"is {value!r}; expected a table, [{key}]")
-        head = dict(data.get("scene", {}))
-        for key in head:
-            if key not in _HEAD:
-                raise ParameterError(f"scene.{key}", f"is unknown. {nearest(key, _HEAD)}")
-        for key in ("duration", "step"):
-            if key not in head:
-                raise ParameterError(f"scene.{key}", "is missing; expected a number in (0, inf) [s]")
-        if "solid" not in data:
-            raise ParameterError("solid", "is missing; a scene needs a [solid] with a plugin")
+    def _from_data(
+        cls, data: dict[str, Any], folder: Path | None, origin: Origin, settings: Mapping[str, Any]
+    ) -> Scene:
+        origin = attrs.evolve(origin, settings=(*origin.settings, *settings))
         try:
-            return cls(**head, **{key: data[key] for key in sections if key in data}, folder=folder, source=source)
+            for key, value in settings.items():
+                _override(data, key, value)
+            return cls(**_fields(data), folder=folder, origin=origin)
         except ParameterError as error:
-            prefix = "" if error.key.split(".")[0].split("[")[0] in sections else "scene."
-            raise ParameterError(prefix + error.key, error.problem) from None
+            top = error.key.split(".")[0].split("[")[0]
+            key = f"scene.{error.key}" if top in _HEAD else error.key
+            raise SceneError(f"{origin.of(key)}{key}: {error.problem}") from None
 
     def to_data(self) -> dict[str, Any]:
         """Plain nested data, as in the TOML file."""
@@ -179,13 +178,7 @@ class Scene:
 
     def with_settings(self, settings: Mapping[str, Any]) -> Scene:
         """The same scene with some keys set, dotted as in ``--set``."""
-        data = self.to_data()
-        try:
-            for key, value in settings.items():
-                _override(data, key, value)
-            return Scene._from_data(data, self.folder, self.source)
-        except ParameterError as error:
-            raise SceneError(f"{error.key}: {error.problem}") from None
+        return Scene._from_data(self.to_data(), self.folder, self.origin, settings)
 
 
 _HEAD = ("name", "duration", "step", "effects")
@@ -201,9 +194,30 @@ _SECTIONS = (
 )
 
 
+def _fields(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `Scene` from nested data; every table and key is a known one, and what must be there is there."""
+    for key, value in data.items():
+        if key != "scene" and key not in _SECTIONS:
+            raise ParameterError(key, f"is no section. {nearest(key, ['scene', *_SECTIONS])}")
+        if not isinstance(value, Mapping):
+            raise ParameterError(key, f"is {value!r}; expected a table, [{key}]")
+    head = dict(data.get("scene", {}))
+    for key in head:
+        if key not in _HEAD:
+            raise ParameterError(f"scene.{key}", f"is unknown. {nearest(key, _HEAD)}")
+    for key in ("duration", "step"):
+        if key not in head:
+            raise ParameterError(f"scene.{key}", "is missing; expected a number in (0, inf) [s]")
+    if "solid" not in data:
+        raise ParameterError("solid", "is missing; a scene needs a [solid] with a plugin")
+    return head | {key: data[key] for key in _SECTIONS if key in data}
+
+
 def _record(value: Any) -> Record:
     if isinstance(value, Record):
         return value
+    if not isinstance(value, Mapping):
+        raise ParameterError("record", f"is {value!r}; expected a table")
     allowed = [*declared(Record), "quantities", "sites"]
     for key in value:
         if key not in allowed:
@@ -220,11 +234,11 @@ def _override(data: dict[str, Any], key: str, value: Any) -> None:
     if not rest:
         allowed = [f"{section}." for section in ("scene", *_SECTIONS)]
         raise ParameterError(key, f"cannot be set: expected SECTION.KEY=VALUE. {nearest(key + '.', allowed)}")
-    table: Any = data.setdefault(first, {})
-    for name in rest[:-1]:
+    table: Any = data
+    for name in (first, *rest[:-1]):
         table = table.setdefault(name, {})
         if not isinstance(table, dict):
-            raise ParameterError(key, f"cannot be set: '{name}' is no table")
+            raise ParameterError(key, f"cannot be set: '{name}' is {table!r}, no table")
     table[rest[-1]] = value
     if key == f"{first}.plugin" and first in FAMILY_OF_SECTION and isinstance(value, str):
         # Another plugin: what both know (p_max, rates) stays, what only the old one knew goes.
@@ -233,24 +247,3 @@ def _override(data: dict[str, Any], key: str, value: Any) -> None:
             known = {"plugin", "parameters", *declared(found.find(FAMILY_OF_SECTION[first], value).cls)}
             for name in set(table) - known:
                 del table[name]
-
-
-def locate(source: str, written: str, key: str) -> str:
-    """Where `key` stands in a TOML text, as ``file:line: `` (the nearest enclosing table if it is not written)."""
-    parts = [part.split("[")[0] for part in key.split(".")]
-    best, table = 0, ""
-    for number_, line in enumerate(written.splitlines(), start=1):
-        bare = line.split("#")[0].strip()
-        if bare.startswith("["):
-            table = bare.strip("[] ").replace('"', "")
-            if table == parts[0] and best == 0:
-                best = number_
-            continue
-        name = bare.partition("=")[0].strip().strip('"')
-        written_key = [*table.split("."), *name.split(".")]
-        if name and written_key == parts[: len(written_key)] and len(written_key) > 1:
-            best = number_
-            break
-    if not source:
-        return ""
-    return f"{source}:{best}: " if best else f"{source}: "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from time import perf_counter
 from typing import Any
@@ -170,7 +171,7 @@ class Simulation:
     def _finite(self, result: StepResult) -> StepResult:
         """Turn a tension that is not finite into a failed step, so that it is retried and never recorded."""
         assert self.bus is not None
-        if result.report.converged and not np.isfinite(self.bus.tension.sum()):
+        if result.report.converged and not math.isfinite(self.bus.tension.sum()):
             return result._replace(report=StepReport(converged=False, reason="the tension is not finite"))
         return result
 

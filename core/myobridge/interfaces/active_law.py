@@ -14,7 +14,7 @@ scales it to [Pa].
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple, final
+from typing import ClassVar, NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +43,17 @@ class LawValue(NamedTuple):
 
 
 class ActiveLaw(ABC):
-    """Tension as a function of stretch [-] and stretch rate [1/s], population frozen."""
+    """Tension as a function of stretch [-] and stretch rate [1/s], population frozen.
+
+    Class attributes
+    ----------------
+    has_potential : bool
+        Whether the tension derives from an energy, that is, whether `potential` answers.
+    """
 
     __slots__ = ()
+
+    has_potential: ClassVar[bool] = False
 
     @abstractmethod
     def evaluate(self, stretch: Array, stretch_rate: Array) -> LawValue:
@@ -81,6 +89,8 @@ class AffineLaw(ActiveLaw):
     """
 
     __slots__ = ("_inertance", "stiffness", "stretch", "tension")
+
+    has_potential: ClassVar[bool] = True
 
     def __init__(self, stretch: Array, tension: Array, stiffness: Array, inertance: Array | None = None) -> None:
         self.stretch = stretch

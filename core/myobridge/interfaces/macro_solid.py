@@ -62,6 +62,8 @@ class Balance(NamedTuple):
         Residual of the constraint.
     constraint_gradient, constraint_compliance : matrix or None
         d constraint / d displacement and d constraint / d multiplier.
+    magnitude : float
+        Norm of the terms that cancel in `force` [N]: a force below their round-off is zero to the solver.
     """
 
     force: Array
@@ -70,6 +72,7 @@ class Balance(NamedTuple):
     constraint: Array | None = None
     constraint_gradient: Matrix | None = None
     constraint_compliance: Matrix | None = None
+    magnitude: float = 0.0
 
 
 class MacroSolid(ABC):

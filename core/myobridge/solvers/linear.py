@@ -6,8 +6,6 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-import scipy.sparse as sparse
-import scipy.sparse.linalg as sparse_linalg
 
 from myobridge.interfaces import Array, MacroSolid, Matrix
 
@@ -32,6 +30,8 @@ def add_scaled(matrix: Matrix, factor: float, other: Matrix | None) -> Matrix:
             result = matrix.copy()
             result.flat[:: matrix.shape[0] + 1] += factor * other
             return result
+        import scipy.sparse as sparse  # here and below: it takes longer to import than all the rest
+
         return matrix + sparse.diags_array(factor * other)
     return matrix + factor * other
 
@@ -53,6 +53,9 @@ def solve(matrix: Matrix, vector: Array) -> Array:
             return np.asarray(np.linalg.solve(matrix, vector), dtype=np.float64)
         except np.linalg.LinAlgError:
             raise SingularMatrix from None
+    import scipy.sparse as sparse
+    import scipy.sparse.linalg as sparse_linalg
+
     try:
         return sparse_linalg.splu(sparse.csc_array(matrix)).solve(vector)
     except RuntimeError:  # SuperLU's word for a singular factor
@@ -67,4 +70,7 @@ def mass_solver(solid: MacroSolid) -> Callable[[Array], Array]:
         return lambda force: force / mass
     if isinstance(mass, np.ndarray):
         return functools.partial(solve, mass)
+    import scipy.sparse as sparse
+    import scipy.sparse.linalg as sparse_linalg
+
     return sparse_linalg.splu(sparse.csc_array(mass)).solve

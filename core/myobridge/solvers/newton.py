@@ -7,6 +7,7 @@ The step is halved (backtracking) while the new point is not admissible or its r
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from myobridge.solvers.linear import SingularMatrix, solve
 
 __all__ = ["NewtonResult", "newton"]
 
-_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
+_ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 
 
 class NewtonResult(NamedTuple):
@@ -30,7 +31,7 @@ class NewtonResult(NamedTuple):
 
 
 def newton(
-    evaluate: Callable[[Array], tuple[Array, Matrix]],
+    evaluate: Callable[[Array], tuple[Array, Matrix, float]],
     start: Array,
     *,
     admissible: Callable[[Array], bool],
@@ -43,13 +44,13 @@ def newton(
     Parameters
     ----------
     evaluate : callable
-        Residual and tangent at a point.
+        Residual and tangent at a point, and the norm of the terms that cancel in the residual.
     start : ndarray, shape (n,)
         Where to begin.
     admissible : callable
         Whether a point is physically possible.
     tolerance : float
-        Converged when the residual has fallen by this factor, or when a correction is round-off of the unknowns.
+        Converged when the residual has fallen by this factor, or when it, or a correction, is round-off.
 
     Returns
     -------
@@ -57,13 +58,14 @@ def newton(
         Failure is a result, not an exception: the caller halves its step.
     """
     unknowns = start
-    residual, tangent = evaluate(unknowns)
+    residual, tangent, magnitude = evaluate(unknowns)
     size = _size(residual)
-    largest = size
+    first = size
     for iteration in range(max_iterations):
-        if not np.isfinite(size):
+        if not math.isfinite(size):
             return NewtonResult(unknowns, False, iteration, "the residual is not finite")
-        if size == 0.0 or (iteration > 0 and size <= tolerance * largest):
+        # A residual below the round-off of its own terms cannot fall any further.
+        if size <= _ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
             return NewtonResult(unknowns, True, iteration)
         try:
             correction = solve(tangent, residual)
@@ -73,20 +75,19 @@ def newton(
         for _ in range(backtracks):
             candidate = unknowns - fraction * correction
             if admissible(candidate):
-                residual, tangent = evaluate(candidate)
+                residual, tangent, magnitude = evaluate(candidate)
                 size = _size(residual)
-                if np.isfinite(size):
+                if math.isfinite(size):
                     break
             fraction *= 0.5
         else:
             return NewtonResult(unknowns, False, iteration + 1, "no admissible point along Newton's direction")
         unknowns = candidate
-        largest = max(largest, size)
         if fraction == 1.0 and _size(correction) <= _ROUND_OFF * _size(unknowns):
             return NewtonResult(unknowns, True, iteration + 1)
-    if size <= tolerance * largest:
+    if size <= max(tolerance * first, _ROUND_OFF * magnitude):
         return NewtonResult(unknowns, True, max_iterations)
-    reason = f"Newton did not converge in {max_iterations} iterations (residual {size:.2e}, largest {largest:.2e})"
+    reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
     return NewtonResult(unknowns, False, max_iterations, reason)
 
 

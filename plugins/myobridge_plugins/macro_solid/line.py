@@ -186,9 +186,13 @@ class Line(MacroSolid):
             slope = slope + answer.stiffness
             sensitivity = answer.rate_sensitivity
         weighted = (self.site_volumes * stress)[:, None] * direction
-        force = self._transposed @ weighted.ravel() - self.external_force(motion.displacement, time)
+        external = self.external_force(motion.displacement, time)
+        force = self._transposed @ weighted.ravel() - external
+        # Positions are rounded as the length is: that round-off, times the stiffness, is what the force cannot beat.
+        along_line = self.area * (slope + np.abs(stress)) * self.length / self.mesh.lengths
+        magnitude = float(np.sqrt(along_line @ along_line) + np.sqrt(external @ external))
         if not tangent:
-            return Balance(force)
+            return Balance(force, magnitude=magnitude)
         along = np.einsum("ia,ib->iab", direction, direction)
         across = np.eye(self.n_axes) - along
         blocks = along * (self.site_volumes * slope)[:, None, None]
@@ -196,7 +200,7 @@ class Line(MacroSolid):
         damping = (
             None if sensitivity is None else self._between(along * (self.site_volumes * sensitivity)[:, None, None])
         )
-        return Balance(force, self._between(blocks), damping)
+        return Balance(force, self._between(blocks), damping, magnitude=magnitude)
 
     def _between(self, blocks: Array) -> Any:
         """B^T diag(blocks) B."""

@@ -78,17 +78,21 @@ class Spring(MacroSolid):
     def balance(
         self, motion: Motion, law: ActiveLaw | None, time: float, *, rate: bool = True, tangent: bool = False
     ) -> Balance:
-        force = self.stiffness * motion.displacement - self.external_force(motion.displacement, time)
+        passive = self.stiffness * motion.displacement
+        external = self.external_force(motion.displacement, time)
+        force = passive - external
         stiffness, damping = self.stiffness, None
         if law is not None:
             speed = motion.velocity if rate else np.zeros(1)
             answer = law.evaluate(1.0 + motion.displacement / self.length, speed / self.length)
-            force = force + self.area * answer.tension
-            if tangent:
-                stiffness = stiffness + self.area / self.length * answer.stiffness[0]
-                if answer.rate_sensitivity is not None:
-                    damping = (self.area / self.length * answer.rate_sensitivity).reshape(1, 1)
-        return Balance(force, np.array([[stiffness]]) if tangent else None, damping)
+            active = self.area * answer.tension
+            force = force + active
+            stiffness = stiffness + self.area / self.length * answer.stiffness[0]
+            if tangent and answer.rate_sensitivity is not None:
+                damping = (self.area / self.length * answer.rate_sensitivity).reshape(1, 1)
+        # The stretch 1 + x / L is rounded as L is: that round-off, times the stiffness, is what the force cannot beat.
+        magnitude = abs(stiffness) * self.length + abs(external[0])
+        return Balance(force, np.array([[stiffness]]) if tangent else None, damping, magnitude=float(magnitude))
 
     def external_force(self, displacement: Array, time: float) -> Array:
         if self.load is None:
