@@ -14,14 +14,16 @@ from myobridge.errors import MyobridgeError, SceneError
 
 __all__ = ["main"]
 
-# Exit codes: bad input, and the shell's own for Ctrl-C.
+# Exit codes: bad input, and the shell's own for Ctrl-C and SIGTERM.
 _BAD_INPUT = 2
 _INTERRUPTED = 130
+_TERMINATED = 143
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; returns the exit code: 0, 1 (the simulation failed), 2 (bad input), 130 (Ctrl-C)."""
+    """Entry point; returns the exit code: 0, 1 (the simulation failed), 2 (bad input), 130 (Ctrl-C), 143 (SIGTERM)."""
     from myobridge.errors import StepFailed
+    from myobridge.interrupts import Terminated
 
     options = _parser().parse_args(arguments)
     try:
@@ -32,8 +34,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MyobridgeError as error:
         print(f"myobridge: {error}", file=sys.stderr)
         return _BAD_INPUT
+    except Terminated:
+        print("myobridge: terminated; continue with --resume", file=sys.stderr)
+        return _TERMINATED
     except KeyboardInterrupt:
-        print("\nmyobridge: interrupted", file=sys.stderr)
+        print("myobridge: interrupted; continue a run with --resume", file=sys.stderr)
         return _INTERRUPTED
     except OSError as error:
         print(f"myobridge: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
@@ -105,6 +110,8 @@ def _run(options: argparse.Namespace) -> int:
 
     if (options.scene is None) == (options.resume is None):
         raise SceneError("run: give a scene file, or --resume with a result file")
+    if options.until is not None and not options.until > 0.0:
+        raise SceneError(f"--until {options.until}: expected a time in (0, inf) [s]")
     settings = _settings(options.settings)
     if options.resume is not None:
         run, scene = resume(options.resume, options.output, settings)
@@ -113,8 +120,7 @@ def _run(options: argparse.Namespace) -> int:
         scene = Scene.load(options.scene, settings)
         plan = Plan.of(scene)
         run = start(plan, options.output or Path(options.scene.stem + ".h5"))
-    end = scene.duration if options.until is None else min(options.until, scene.duration)
-    follow(run, plan, end, quiet=options.quiet)
+    follow(run, plan, until=options.until, quiet=options.quiet)
     return 0
 
 

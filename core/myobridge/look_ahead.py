@@ -38,7 +38,13 @@ def check_prescribed_stretch(solid: MacroSolid, duration: float) -> None:
     nothing = np.empty(0)
     tiny = float(np.finfo(float).tiny)
     _check(
-        "solid", lambda time: solid.stretch(nothing, time), solid.jumps(), duration, tiny, np.inf, "a stretch in (0, inf)"
+        "solid",
+        lambda time: solid.stretch(nothing, time),
+        solid.jumps(),
+        duration,
+        tiny,
+        np.inf,
+        "a stretch in (0, inf)",
     )
 
 

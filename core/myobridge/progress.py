@@ -20,18 +20,21 @@ __all__ = ["follow"]
 _INTERVAL = 0.1
 
 
-def follow(run: Run, plan: Plan, end: float, *, quiet: bool = False) -> Result:
-    """Run to `end` [s], showing how it goes; on Ctrl-C and failure the tables and the file are there all the same."""
+def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = False) -> Result:
+    """Run a plan to its end, showing how it goes; on Ctrl-C and failure the tables are there all the same."""
+    end = plan.scene.duration
     if quiet:
-        return run.to(end)
+        return run.to(end, until=until)
     console = Console()
     console.print(settings_table(plan))
     console.print(effects_table(plan))
-    started = perf_counter()
+    if run.simulation.finished(end):
+        console.print(f"t = {run.simulation.time:.6g} s is the end already; --set scene.duration=... goes on")
+    first, started = run.simulation.steps, perf_counter()
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("{task.fields[state]}"),
+        TextColumn("{task.fields[state]}", markup=False),
         TimeRemainingColumn(),
     )
     try:
@@ -46,13 +49,16 @@ def follow(run: Run, plan: Plan, end: float, *, quiet: bool = False) -> Result:
                     shown = now
                     progress.update(task, completed=min(simulation.time, end), state=_state(simulation, report))
 
-            return run.to(end, after_step)
+            result = run.to(end, after_step, until=until)
     finally:
         wall = perf_counter() - started
-        console.print(ledger_table(run))
-        console.print(shares_table(run, wall))
         simulation = run.simulation
-        console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {wall:.2f} s; wrote {run.output}")
+        console.print(ledger_table(run))
+        console.print(shares_table(run, wall, simulation.steps - first))
+        console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {wall:.2f} s")
+    if run.output is not None:
+        console.print(f"wrote {run.output}", markup=False, soft_wrap=True)
+    return result
 
 
 def _state(simulation: Simulation, report: StepReport) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -156,18 +156,19 @@ class Recorder:
         self._sources = _sources(record, simulation, self.columns)
         simulation.stop_at([time for time in self._pending if time > 0.0])
 
-    def resume(self, series: Mapping[str, Array], snapshots: list[DensitySnapshot]) -> None:
-        """Take over the rows of an earlier run."""
-        for name, rows in series.items():
-            self._rows[name] = _Rows.of(rows)
+    def resume(self, series: Mapping[str, Array], snapshots: Sequence[DensitySnapshot], simulation: Simulation) -> None:
+        """Take over the rows of an earlier run, as far as a run that never stopped would have them."""
+        # The last row of an interrupted run may lie between two regular ones.
+        extra = series["time"][-1] == simulation.time and simulation.steps % self.record.every != 0
+        self._rows = {name: _Rows.of(rows[:-1] if extra else rows) for name, rows in series.items()}
+        self._last_time = float(self._rows["time"].array[-1])
         self.snapshots = list(snapshots)
-        self._last_time = float(series["time"][-1])
-        self._pending = [time for time in self._pending if time > self._last_time + 1e-12]
+        self._pending = [pending for pending in self._pending if not _reached(simulation.time, pending)]
 
     def observe(self, simulation: Simulation, *, last: bool = False) -> None:
         """Keep a row if it is due, and a density snapshot if its time has come."""
         time = simulation.time
-        while self._pending and time >= self._pending[0] - 1e-9 * max(1.0, time):
+        while self._pending and _reached(time, self._pending[0]):
             self._pending.pop(0)
             self._snapshot(simulation)
         due = simulation.steps % self.record.every == 0 or last
@@ -190,6 +191,10 @@ class Recorder:
         density = simulation.bus.model.density(np.array(simulation.bus.population[self.columns]))
         if density is not None:
             self.snapshots.append(DensitySnapshot(simulation.time, *density))
+
+
+def _reached(time: float, sought: float) -> bool:
+    return time >= sought - 1e-9 * max(1.0, time)
 
 
 def _sources(record: Record, simulation: Simulation, columns: np.ndarray) -> list[Callable[[], Mapping[str, Array]]]:

@@ -24,7 +24,7 @@ from myobridge.recording import DensitySnapshot
 from myobridge.simulation import Simulation
 from myobridge.step_control import StepControl
 
-__all__ = ["Checkpoint", "Result", "provenance"]
+__all__ = ["Checkpoint", "Result", "check_writable", "provenance"]
 
 
 @attrs.frozen(eq=False)
@@ -55,17 +55,39 @@ class Checkpoint:
         return cls(scalars, arrays)
 
     def restore(self, simulation: Simulation) -> None:
-        """Put a simulation of the same parts into this state."""
-        scalars = dict(self.scalars)
+        """Put a simulation of the same parts into this state.
+
+        Raises
+        ------
+        MyobridgeError
+            If it is the state of another simulation.
+        """
+        try:
+            self._restore(simulation, dict(self.scalars))
+        except (KeyError, TypeError, ValueError) as error:
+            raise MyobridgeError(
+                f"the checkpoint does not fit the simulation ({error}); was it written by another version?"
+            ) from None
+
+    def _restore(self, simulation: Simulation, scalars: Mapping[str, float]) -> None:
+        motion = Motion(**_group(self.arrays, "motion/"))
+        _same_shape("motion/displacement", motion.displacement, simulation.motion.displacement)
+        if simulation.bus is not None:
+            state = BusState(**_group(self.arrays, "bus/"))
+            _same_shape("bus/population", state.population, simulation.bus.population)
+            simulation.bus.restore(state)
+        simulation.motion = motion
+        simulation.memory = _group(self.arrays, "memory/")
         simulation.time = float(scalars["time"])
         simulation.steps = int(scalars["steps"])
         simulation.iterations = int(scalars["iterations"])
         simulation.control = StepControl(float(scalars["dt"]), int(scalars["halvings"]), int(scalars["successes"]))
         simulation.ledger = Ledger(**_group(scalars, "ledger/"))
-        simulation.motion = Motion(**_group(self.arrays, "motion/"))
-        simulation.memory = _group(self.arrays, "memory/")
-        if simulation.bus is not None:
-            simulation.bus.restore(BusState(**_group(self.arrays, "bus/")))
+
+
+def _same_shape(name: str, found: Array, expected: Array) -> None:
+    if found.shape != expected.shape:
+        raise ValueError(f"{name} has shape {found.shape}, expected {expected.shape}")
 
 
 def _group(items: Mapping[str, Any], prefix: str) -> dict[str, Any]:
@@ -104,11 +126,20 @@ class Result:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write beside, then rename: whatever happens meanwhile, `path` is always a complete file."""
+        target = Path(path)
+        beside = _beside(target)
+        try:
+            self._write(beside)
+            os.replace(beside, target)
+        except OSError as error:
+            beside.unlink(missing_ok=True)
+            raise MyobridgeError(f"{target}: cannot be written ({error})") from None
+        return target
+
+    def _write(self, path: Path) -> None:
         import h5py
 
-        target = Path(path)
-        beside = target.with_name(target.name + ".part")
-        with h5py.File(beside, "w") as file:
+        with h5py.File(path, "w") as file:
             for name, rows in self.series.items():
                 file[f"series/{name}"] = rows
             file["series"].attrs["sites"] = self.sites
@@ -123,8 +154,6 @@ class Result:
             checkpoint.attrs.update(self.checkpoint.scalars)
             for name, array in self.checkpoint.arrays.items():
                 checkpoint[name] = array
-        os.replace(beside, target)
-        return target
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
@@ -159,8 +188,39 @@ class Result:
                     Checkpoint({name: value.item() for name, value in file["checkpoint"].attrs.items()}, arrays),
                     np.asarray(file["series"].attrs["sites"]),
                 )
-        except (OSError, KeyError) as error:
-            raise MyobridgeError(f"{source}: is not a result of myobridge ({error})") from None
+        except Exception as error:  # a damaged or a stranger's file may raise anything
+            raise MyobridgeError(
+                f"{source}: is damaged, or no result of myobridge ({type(error).__name__}: {error})"
+            ) from None
+
+
+def check_writable(path: str | os.PathLike[str]) -> Path:
+    """The path of a result file yet to come.
+
+    Raises
+    ------
+    MyobridgeError
+        If nothing can be written there, or something that is no result would be overwritten.
+    """
+    import h5py
+
+    target = Path(path)
+    if target.is_dir():
+        raise MyobridgeError(f"{target}: is a folder; name a file in it")
+    if not target.parent.is_dir():
+        raise MyobridgeError(f"{target}: cannot be written, there is no folder {target.parent}")
+    if target.exists() and not h5py.is_hdf5(target):
+        raise MyobridgeError(f"{target}: exists and is no result file; it is not overwritten")
+    try:
+        _beside(target).touch()
+        _beside(target).unlink()
+    except OSError as error:
+        raise MyobridgeError(f"{target}: cannot be written ({error.strerror})") from None
+    return target
+
+
+def _beside(target: Path) -> Path:
+    return target.with_name(target.name + ".part")
 
 
 def _visit(group: Any, into: dict[str, Array]) -> None:

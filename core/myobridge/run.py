@@ -8,15 +8,19 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from myobridge.errors import SceneError, StepFailed
+from myobridge.errors import SceneError
 from myobridge.interfaces import StepReport
+from myobridge.interrupts import postponed
 from myobridge.plan import Plan
 from myobridge.recording import Record, Recorder
-from myobridge.results import Checkpoint, Result, provenance
+from myobridge.results import Checkpoint, Result, check_writable, provenance
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
 
 __all__ = ["Run", "resume", "run", "start"]
+
+# Not what is recorded: the rows that exist could not be continued.
+_RESUMABLE = ("scene.duration", "record.every", "record.density_at", "record.checkpoint_every")
 
 
 class Run:
@@ -35,6 +39,11 @@ class Run:
         Folder of the scene's files, for a later resume.
     output : path, optional
         File to keep; without, the result lives in memory only.
+
+    Raises
+    ------
+    MyobridgeError
+        If the file cannot be written: now, not after hours of computing.
     """
 
     def __init__(
@@ -49,44 +58,70 @@ class Run:
     ) -> None:
         self.simulation = simulation
         self.recorder = Recorder(record or Record(), simulation)
-        self.output = None if output is None else Path(output)
+        self.output = None if output is None else check_writable(output)
         self.recording_seconds = 0.0
+        self._written = self._saving = 0.0
         self._scene = scene
         self._provenance = provenance(plugins or {}) | {"folder": str((folder or Path()).resolve())}
 
-    def to(self, end: float, after_step: Callable[[Simulation, StepReport], Any] | None = None) -> Result:
+    def to(
+        self,
+        end: float,
+        after_step: Callable[[Simulation, StepReport], Any] | None = None,
+        *,
+        until: float | None = None,
+    ) -> Result:
         """Run to time `end` [s]; what interrupts it finds the result so far on disk.
+
+        Parameters
+        ----------
+        end : float
+            Where the last step ends.
+        after_step : callable, optional
+            Called with the simulation and the report of each accepted step.
+        until : float, optional
+            Stop after the first step that reaches this time; the steps are those of a run to `end`.
 
         Raises
         ------
         StepFailed
             When a step fails for good.
         KeyboardInterrupt
-            On Ctrl-C, after the file has been written.
+            On Ctrl-C and SIGTERM, after the step under way has been finished and the file written.
         """
-        record = self.recorder.record
         simulation, recorder = self.simulation, self.recorder
         recorder.observe(simulation)
-        written = time.perf_counter()
-        cost = 0.0
-        try:
-            while not simulation.finished(end):
-                report = simulation.step(end)
+        self._written = time.perf_counter()
+        stop = end if until is None else min(until, end)
+        with postponed() as interrupts:
+            while not simulation.finished(stop):
+                try:
+                    report = simulation.step(end)
+                except Exception:  # StepFailed, or a plugin's own: the simulation stands after its last good step
+                    self._keep()
+                    raise
                 started = time.perf_counter()
-                recorder.observe(simulation, last=simulation.finished(end))
-                now = time.perf_counter()
-                # A file costs at most a twentieth of the run, however large it has grown.
-                if self.output is not None and now - written > max(record.checkpoint_every, 20.0 * cost):
-                    self.result().save(self.output)
-                    written = time.perf_counter()
-                    cost = written - now
+                recorder.observe(simulation, last=simulation.finished(stop))
+                self._save_if_due()
                 self.recording_seconds += time.perf_counter() - started
-                if after_step is not None:
-                    after_step(simulation, report)
-        except (StepFailed, KeyboardInterrupt):
-            self._keep()
-            raise
-        return self._keep()
+                try:
+                    if after_step is not None:
+                        after_step(simulation, report)
+                    interrupts.check()
+                except BaseException:
+                    self._keep()
+                    raise
+            return self._keep()
+
+    def _save_if_due(self) -> None:
+        now = time.perf_counter()
+        # A file costs at most a twentieth of the run, however large it has grown.
+        due = max(self.recorder.record.checkpoint_every, 20.0 * self._saving)
+        if self.output is None or now - self._written <= due:
+            return
+        self.result().save(self.output)
+        self._written = time.perf_counter()
+        self._saving = self._written - now
 
     def result(self) -> Result:
         """Result so far."""
@@ -159,7 +194,7 @@ def resume(
     Parameters
     ----------
     settings : mapping, optional
-        Only ``scene.duration`` and ``record.*`` may change; anything else would be another simulation.
+        Only the duration, and when something is kept, may change; anything else would be another simulation.
 
     Raises
     ------
@@ -168,19 +203,16 @@ def resume(
     """
     earlier = Result.load(path)
     for key in settings or {}:
-        if key != "scene.duration" and not key.startswith("record."):
+        if key not in _RESUMABLE:
             raise SceneError(
-                f"{key}: cannot change when a run is resumed; allowed: scene.duration, record.*. "
+                f"--set {key}: cannot change when a run is resumed; allowed: {', '.join(_RESUMABLE)}. "
                 "For another simulation, start a new run"
             )
     if not earlier.scene:
         raise SceneError(f"{path}: holds no scene (it was composed in Python), so it cannot be resumed from the file")
     folder = Path(earlier.provenance.get("folder", "."))
-    scene = Scene.from_toml(earlier.scene, folder=folder, settings=settings)
+    scene = Scene.from_toml(earlier.scene, folder=folder, source=f"{path} (scene)", settings=settings)
     continued = start(Plan.of(scene), path if output is None else output)
-    simulation = continued.simulation
-    earlier.checkpoint.restore(simulation)
-    # The last row of an interrupted run may lie between two regular ones; a run that never stopped has no such row.
-    rows = slice(None) if simulation.steps % scene.record.every == 0 else slice(None, -1)
-    continued.recorder.resume({name: data[rows] for name, data in earlier.series.items()}, list(earlier.densities))
+    earlier.checkpoint.restore(continued.simulation)
+    continued.recorder.resume(earlier.series, earlier.densities, continued.simulation)
     return continued, scene

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from rich.markup import escape
 from rich.table import Table
 
 from myobridge.ledger import FLOWS, STORED
@@ -19,7 +20,7 @@ __all__ = ["effects_table", "ledger_table", "plugins_json", "plugins_table", "se
 
 def settings_table(plan: Plan) -> Table:
     """Effective settings: every parameter of every chosen plugin, given or not."""
-    table = Table(title=f"settings of '{plan.scene.name}'", title_justify="left")
+    table = Table(title=escape(f"settings of '{plan.scene.name}'"), title_justify="left")
     for column in ("section", "parameter", "value", "unit"):
         table.add_column(column)
     table.add_row("scene", "duration", f"{plan.scene.duration:g}", "s")
@@ -30,13 +31,15 @@ def settings_table(plan: Plan) -> Table:
             value = getattr(part, name)
             if item.effect and item.effect not in plan.scene.effects:
                 continue
-            table.add_row("", name, _short(value), item.unit)
+            table.add_row("", name, escape(_short(value)), item.unit)
     return table
 
 
 def _short(value: Any) -> str:
     if isinstance(value, tuple) and len(value) > 4:
         return f"{len(value)} values, {min(value):g} to {max(value):g}"
+    if isinstance(value, tuple):
+        return "(" + ", ".join(_short(item) for item in value) + ")"
     said = declared(type(value))
     if said:
         inner = ", ".join(f"{name}={_short(getattr(value, name))}" for name in said)
@@ -51,7 +54,9 @@ def effects_table(plan: Plan) -> Table:
         table.add_column(column)
     colours = {"on": "green", "inherent": "cyan", "off": "dim"}
     for effect, state, reason in plan.effects():
-        table.add_row(effect, f"[{colours[state]}]{state}[/]", f"[dim]{reason}[/]" if state == "off" else reason)
+        table.add_row(
+            effect, f"[{colours[state]}]{state}[/]", f"[dim]{escape(reason)}[/]" if state == "off" else escape(reason)
+        )
     return table
 
 
@@ -71,8 +76,8 @@ def ledger_table(run: Run) -> Table:
     return table
 
 
-def shares_table(run: Run, wall: float) -> Table:
-    """Share of the computing time of each phase."""
+def shares_table(run: Run, wall: float, steps: int) -> Table:
+    """Share of the computing time `wall` [s] of each phase, over `steps` steps."""
     simulation = run.simulation
     seconds: dict[str, float] = dict(simulation.seconds) | {"recording": run.recording_seconds}
     rest = max(wall - sum(seconds.values()), 0.0)
@@ -83,8 +88,8 @@ def shares_table(run: Run, wall: float) -> Table:
     for name, value in {**seconds, "rest": rest}.items():
         share = value / wall if wall > 0.0 else 0.0
         table.add_row(name.replace("_", " "), f"{value:.3f}", f"{100.0 * share:.1f} %")
-    steps = max(simulation.steps, 1)
-    table.add_row("a step", f"{wall / steps:.2e}", f"{simulation.iterations / steps:.2f} iterations")
+    iterations = simulation.iterations / max(simulation.steps, 1)
+    table.add_row("a step", f"{wall / max(steps, 1):.2e}", f"{iterations:.2f} iterations")
     return table
 
 
@@ -95,7 +100,7 @@ def plugins_table(registry: Registry) -> Table:
         table.add_column(column, overflow="fold")
     for item in registry:
         effects = ", ".join(sorted(item.inherent_effects | item.optional_effects))
-        table.add_row(item.name, item.family, item.package, item.version, effects or "-", item.summary)
+        table.add_row(item.name, item.family, item.package, item.version, effects or "-", escape(item.summary))
     return table
 
 
