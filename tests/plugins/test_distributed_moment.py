@@ -159,7 +159,8 @@ def test_reaction_is_the_exact_one_of_the_gaussian(g3, r, dt):
             np.sum(w * q**2 * r * f * (dt - mean)), rel=1e-10, abs=1e-14
         )
         assert energy * fluxes.detached[i] == pytest.approx(np.sum(w * q**2 * g * mean), rel=1e-10, abs=1e-14)
-    assert np.max(np.abs(fluxes.numerical)) < 1e-16
+    # What is booked as numerical is the rounding of the stored energy.
+    assert np.max(np.abs(fluxes.numerical)) < 1e-14 * np.max(model.energy(state))
     assert np.max(fluxes.detached) > 1e-6
 
 
