@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from myobridge.errors import MyobridgeError, ParameterError, PluginError, nearest
+from myobridge.hookspecs import FAMILIES
 from myobridge.parameters import Declaration, declared
 from myobridge.registry import Registry
 
@@ -102,10 +103,10 @@ def _value(
 ) -> Any:
     if item.kind == "part":
         table = {"plugin": value} if isinstance(value, str) else value
-        if not isinstance(table, Mapping):
-            if isinstance(value, int | float):
-                raise ParameterError(key, f"is {value!r}; expected {item.allowed()}")
+        if value is None or isinstance(value, FAMILIES[item.family].interface):
             return value
+        if not isinstance(table, Mapping):
+            raise ParameterError(key, f"is {value!r}; expected {item.allowed()}")
         try:
             return build(registry, item.family, table, effects, folder)
         except ParameterError as error:

@@ -23,9 +23,12 @@ class Origin:
     def of(self, key: str) -> str:
         """Where `key` was written, to be put before it: ``file:line: ``, ``file, --set ``, or nothing."""
         plain = re.sub(r"\[\d+\]", "", key)
+        on_top = f"{self.source}, --set " if self.source else "--set "
         if any(plain == name or plain.startswith(f"{name}.") for name in self.settings):
-            return f"{self.source}, --set " if self.source else "--set "
-        return locate(self.source, self.written, key)
+            return on_top
+        found = locate(self.source, self.written, key)
+        inside = any(name.startswith(f"{plain}.") for name in self.settings)
+        return on_top if inside and found == f"{self.source}: " else found
 
 
 def locate(source: str, written: str, key: str) -> str:

@@ -148,9 +148,12 @@ class Scene:
         cls, data: dict[str, Any], folder: Path | None, origin: Origin, settings: Mapping[str, Any]
     ) -> Scene:
         origin = attrs.evolve(origin, settings=(*origin.settings, *settings))
-        try:
-            for key, value in settings.items():
+        for key, value in settings.items():
+            try:
                 _override(data, key, value)
+            except ParameterError as error:
+                raise SceneError(f"{origin.of(key)}{error.key}: {error.problem}") from None
+        try:
             return cls(**_fields(data), folder=folder, origin=origin)
         except ParameterError as error:
             top = error.key.split(".")[0].split("[")[0]
