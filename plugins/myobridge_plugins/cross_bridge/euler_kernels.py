@@ -6,7 +6,7 @@ import math
 
 import numba as nb
 
-from myobridge_plugins.cross_bridge.window_kernels import FAST, FIRST, HEADER, LAST, Q0, Q1, Q2, START, copy_row, cut
+from myobridge_plugins.cross_bridge.window_kernels import FAST, FIRST, HEADER, LAST, Q0, Q1, Q2, START, copy_row, cut_at
 
 __all__ = ["react_fixed", "react_riding", "transport"]
 
@@ -24,9 +24,8 @@ def _euler(cells, q, dq, dt, f, a, g1, g2, g3):
         gain = f * m * max(a - rho, 0.0) * dt if 0.0 < m < 1.0 else 0.0
         loss = (g2 if m < 0.0 else g1 * m + g3 * max(m - 1.0, 0.0)) * rho * dt
         cells[i] = rho + gain - loss
-        weight = m * m + dq * dq / 12.0
-        attached += gain * weight
-        detached += loss * weight
+        attached += gain * m * m
+        detached += loss * m * m
     return attached, detached
 
 
@@ -56,7 +55,7 @@ def react_riding(state, out, copy, flux, bins, dt, activation, overlap, by_rate,
         o = overlap[site] if overlap.size > 1 else overlap[0]
         f = activation[site] * f1 if by_rate else f1
         a = o if by_rate else activation[site] * o
-        cell, _ = cut(row[START], bins)
+        cell = math.floor(cut_at(row[START], bins))
         first, last = min(int(row[FIRST]), cell), max(int(row[LAST]), cell + bins + 1)
         q = row[START] + (first + 0.5) * dq
         cells = row[HEADER + first : HEADER + last]
@@ -66,7 +65,7 @@ def react_riding(state, out, copy, flux, bins, dt, activation, overlap, by_rate,
             m = q + i * dq
             s0 += cells[i]
             s1 += cells[i] * m
-            s2 += cells[i] * (m * m + dq * dq / 12.0)
+            s2 += cells[i] * m * m
         row[Q0], row[Q1], row[Q2] = dq * s0, dq * s1, dq * s2
         row[FIRST], row[LAST] = first, last
         flux[0, site] = 0.5 * scale * dq * attached

@@ -74,7 +74,7 @@ class Huxley(CrossBridgeModel):
     g3: float = number(0.0, unit="1/s", within="[0, inf)", doc="further rate of detachment a reach beyond q = h")
     reach: float = number(15.6e-9, unit="m", within="(0, inf)", doc="reach h of a head")
     half_sarcomere_length: float = number(1.1e-6, unit="m", within="(0, inf)", doc="length of a half sarcomere at rest")
-    bins: int = integer(32, within="[4, 4096]", doc="cells a reach")
+    bins: int = integer(32, within="[8, 4096]", doc="cells a reach")
     low: float = number(-6.0, unit="h", within="(-inf, -1]", doc="lower end of the window; heads beyond are lost")
     high: float = number(14.0, unit="h", within="[2, inf)", doc="upper end of the window; heads beyond are lost")
     discretisation: str = choice("exact", tuple(_DISCRETISATIONS), doc="how the equation is solved")

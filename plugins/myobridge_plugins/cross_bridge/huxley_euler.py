@@ -41,9 +41,7 @@ class MovingFrameEuler(Discretisation):
     def initial_state(self, n_sites: int) -> Array:
         state = window.empty_window(n_sites, self._n_cells, self.low, self.bins)
         if self.filled:
-            origin = round(-self.low * self.bins)
-            state[:, window.HEADER + origin : window.HEADER + origin + self.bins] = self.rates.duty()
-            state[:, window.Q0 : window.Q2 + 1] = self.rates.isometric_moments()
+            window.fill_window(state, self.rates.duty(), self.bins)
         return state
 
     def react(

@@ -39,12 +39,8 @@ class Exact(Discretisation):
 
     def initial_state(self, n_sites: int) -> Array:
         state = window.empty_window(n_sites, self._n_cells, self.low, self.bins)
-        origin = round(-self.low * self.bins)
         if self.filled:
-            F = self.rates.duty()
-            state[:, window.HEADER + origin : window.HEADER + origin + self.bins] = F
-            state[:, [window.RIGHT0, window.LEFT0]] = F
-            state[:, window.Q0 : window.Q2 + 1] = self.rates.isometric_moments()
+            window.fill_window(state, self.rates.duty(), self.bins)
         return state
 
     def react(
@@ -80,7 +76,6 @@ class Exact(Discretisation):
             self.by_rate,
             (rates.f1, rates.g1, rates.g2, rates.g3),
             self.low,
-            min(-self.low, self.high - 1.0) - 1.0 / self.bins,
             self.bins,
             self.scale,
         )

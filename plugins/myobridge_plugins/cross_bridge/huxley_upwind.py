@@ -80,7 +80,7 @@ class Upwind(Discretisation):
 
     def moments(self, state: Array) -> Array:
         q = self._centres
-        return state @ np.stack([np.ones_like(q), q, q * q + 1.0 / (12.0 * self.bins**2)], axis=1) / self.bins
+        return state @ np.stack([np.ones_like(q), q, q * q], axis=1) / self.bins
 
     def density(self, state: Array) -> tuple[Array, Array]:
         """Centres of the cells and the attached fraction there."""

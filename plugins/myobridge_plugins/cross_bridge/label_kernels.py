@@ -62,13 +62,13 @@ def relaxed_time(rho, goal, p, v, t, a, b):
 
 
 @nb.njit(**FAST)
-def _energy(rho, p, delta, d12):
+def _energy(rho, p, delta):
     """Energy of a piece of unit length whose cell is centred at p - delta."""
-    return 0.5 * rho * ((p - delta) ** 2 + d12)
+    return 0.5 * rho * (p - delta) ** 2
 
 
 @nb.njit(**FAST)
-def _pass_low(rho, p, v, t, delta, d12, g2):
+def _pass_low(rho, p, v, t, delta, g2):
     """Piece below q=0 for the time t: new value, work, detached energy."""
     new = rho * math.exp(-g2 * t)
     work = 0.0
@@ -80,11 +80,11 @@ def _pass_low(rho, p, v, t, delta, d12, g2):
             i0 = rho * t
             i1 = rho * t * (p + 0.5 * v * t)
         work = v * (i1 - delta * i0)
-    return new, work, work - (_energy(new, p + v * t, delta, d12) - _energy(rho, p, delta, d12))
+    return new, work, work - (_energy(new, p + v * t, delta) - _energy(rho, p, delta))
 
 
 @nb.njit(**FAST)
-def _pass_high(rho, p, v, t, delta, d12, g1, g3):
+def _pass_high(rho, p, v, t, delta, g1, g3):
     """Piece above q=1 for the time t: new value, work, detached energy."""
     G = g1 + g3
     u = t * (p + 0.5 * v * t)
@@ -96,11 +96,11 @@ def _pass_high(rho, p, v, t, delta, d12, g1, g3):
             i0 = relaxed_time(rho, 0.0, p, v, t, G, -g3)
         i1 = (rho - new + g3 * i0) / G if G > 0.0 else rho * u
         work = v * (i1 - delta * i0)
-    return new, work, work - (_energy(new, p + v * t, delta, d12) - _energy(rho, p, delta, d12))
+    return new, work, work - (_energy(new, p + v * t, delta) - _energy(rho, p, delta))
 
 
 @nb.njit(**FAST)
-def _relax_mid(rho, p, v, t, delta, d12, c, F, g1):
+def _relax_mid(rho, p, v, t, delta, c, F, g1):
     """Piece in (0, 1) that relaxes towards F at the rate c p: new value, work, detached, attached energy."""
     u = t * (p + 0.5 * v * t)
     new = F + (rho - F) * math.exp(-c * u)
@@ -110,46 +110,46 @@ def _relax_mid(rho, p, v, t, delta, d12, c, F, g1):
         i1 = F * u + (rho - new) / c if c > 0.0 else rho * u
         i0 = relaxed_time(rho, F, p, v, t, c, 0.0) if delta != 0.0 else 0.0
         work = v * (i1 - delta * i0)
-    reaction = _energy(new, end, delta, d12) - _energy(rho, p, delta, d12) - work
+    reaction = _energy(new, end, delta) - _energy(rho, p, delta) - work
     if c <= 0.0:
         return new, work, 0.0, 0.0
     middle = p + 0.5 * v * t  # Simpson's rule is exact for the cubic w p
-    wp = p * _energy(1.0, p, delta, d12) + 4.0 * middle * _energy(1.0, middle, delta, d12)
-    wp = (wp + end * _energy(1.0, end, delta, d12)) * t / 6.0
+    wp = p * _energy(1.0, p, delta) + 4.0 * middle * _energy(1.0, middle, delta)
+    wp = (wp + end * _energy(1.0, end, delta)) * t / 6.0
     detached = g1 * (F * wp - reaction / c)
     return new, work, detached, reaction + detached
 
 
 @nb.njit(**FAST)
-def _pass_mid(rho, p, v, t, delta, d12, f, a, g1):
+def _pass_mid(rho, p, v, t, delta, f, a, g1):
     """Piece in (0, 1): decays while it is above the attachable fraction a, then relaxes."""
     if rho <= a:
         c = f + g1
-        return _relax_mid(rho, p, v, t, delta, d12, c, f * a / c if c > 0.0 else 0.0, g1)
+        return _relax_mid(rho, p, v, t, delta, c, f * a / c if c > 0.0 else 0.0, g1)
     u = t * (p + 0.5 * v * t)
     until = math.log(rho / a) / g1 if a > 0.0 and g1 > 0.0 else math.inf  # int p dt until rho = a
     if until >= u:
-        return _relax_mid(rho, p, v, t, delta, d12, g1, 0.0, g1)
+        return _relax_mid(rho, p, v, t, delta, g1, 0.0, g1)
     q = math.sqrt(max(p * p + 2.0 * v * until, 0.0))
     first = min(2.0 * until / (p + q), t)
-    _, work1, detached1, _ = _relax_mid(rho, p, v, first, delta, d12, g1, 0.0, g1)
+    _, work1, detached1, _ = _relax_mid(rho, p, v, first, delta, g1, 0.0, g1)
     c = f + g1
-    new, work2, detached2, attached = _relax_mid(a, p + v * first, v, t - first, delta, d12, c, f * a / c, g1)
+    new, work2, detached2, attached = _relax_mid(a, p + v * first, v, t - first, delta, c, f * a / c, g1)
     # The two parts meet at rho = a to round-off only; the energies are those of the whole.
     return new, work1 + work2, detached1 + detached2, attached
 
 
 @nb.njit(**FAST)
-def carry(rho, p, D, dt, delta, d12, f, a, g1, g2, g3):
+def carry(rho, p, D, dt, delta, f, a, g1, g2, g3):
     """Piece along its whole path from p to p + D: new value, work, detached, attached energy."""
     if D == 0.0:
         if p < 0.0:
-            new, work, detached = _pass_low(rho, p, 0.0, dt, delta, d12, g2)
+            new, work, detached = _pass_low(rho, p, 0.0, dt, delta, g2)
             return new, work, detached, 0.0
         if p >= 1.0:
-            new, work, detached = _pass_high(rho, p, 0.0, dt, delta, d12, g1, g3)
+            new, work, detached = _pass_high(rho, p, 0.0, dt, delta, g1, g3)
             return new, work, detached, 0.0
-        return _pass_mid(rho, p, 0.0, dt, delta, d12, f, a, g1)
+        return _pass_mid(rho, p, 0.0, dt, delta, f, a, g1)
     v = D / dt
     # Fractions of the path at which it meets q=0 and q=1; no difference of near numbers, however short the path.
     at0 = min(max(-p / D, 0.0), 1.0)
@@ -162,23 +162,23 @@ def carry(rho, p, D, dt, delta, d12, f, a, g1, g2, g3):
     detached = 0.0
     attached = 0.0
     if in_low > 0.0 and D > 0.0:
-        rho, w, d = _pass_low(rho, p, v, in_low, delta, d12, g2)
+        rho, w, d = _pass_low(rho, p, v, in_low, delta, g2)
         work += w
         detached += d
     if in_high > 0.0 and D < 0.0:
-        rho, w, d = _pass_high(rho, p, v, in_high, delta, d12, g1, g3)
+        rho, w, d = _pass_high(rho, p, v, in_high, delta, g1, g3)
         work += w
         detached += d
     if in_mid > 0.0:
-        rho, w, d, attached = _pass_mid(rho, m, v, in_mid, delta, d12, f, a, g1)
+        rho, w, d, attached = _pass_mid(rho, m, v, in_mid, delta, f, a, g1)
         work += w
         detached += d
     if in_low > 0.0 and D < 0.0:
-        rho, w, d = _pass_low(rho, min(p, 0.0), v, in_low, delta, d12, g2)
+        rho, w, d = _pass_low(rho, min(p, 0.0), v, in_low, delta, g2)
         work += w
         detached += d
     if in_high > 0.0 and D > 0.0:
-        rho, w, d = _pass_high(rho, max(p, 1.0), v, in_high, delta, d12, g1, g3)
+        rho, w, d = _pass_high(rho, max(p, 1.0), v, in_high, delta, g1, g3)
         work += w
         detached += d
     return rho, work, detached, attached

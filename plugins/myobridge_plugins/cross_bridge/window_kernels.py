@@ -2,11 +2,12 @@ r"""Compiled kernels of a window of cells that rides with the filament: layout o
 
 Cell `i` spans :math:`q \in s + [i, i+1]\,\Delta q` and stores the mean of :math:`\rho` in it; :math:`s` moves with the
 filament, so a slide is one addition. The positions q=0 and q=1, where the rates jump, cut one cell each, at the same
-fraction :math:`\theta` of its width (a reach is a whole number of cells); such a cell has a mean left and a mean right
-of its cut, and its own mean is :math:`\theta L + (1-\theta) R`.
+fraction of its width (a reach is a whole number of cells). Around each cut lies a *zone* of a few cells that are divided
+further: at the cut, and at faces that the cut left behind where it turned or stopped. Both zones have the same faces. The
+faces across which the means differ least are given up when there are too many.
 
-Moments count a cell at its centre, :math:`Q_k = \sum \bar\rho\,\Delta q\,(1, m, m^2 + \Delta q^2/12)`, cut or not:
-then a slide shifts them exactly, :math:`Q_1 + x Q_0`, :math:`Q_2 + 2 x Q_1 + x^2 Q_0`.
+Moments count a cell at its centre, divided or not, :math:`Q_k = \sum \bar\rho\,\Delta q\,(1, m, m^2)`: then a slide shifts
+them exactly, :math:`Q_1 + x Q_0`, :math:`Q_2 + 2 x Q_1 + x^2 Q_0`.
 """
 
 from __future__ import annotations
@@ -18,36 +19,20 @@ import numpy as np
 
 from myobridge.interfaces import Array
 
-__all__ = [
-    "BLOCK",
-    "FADED",
-    "FAST",
-    "FIRST",
-    "HEADER",
-    "LAST",
-    "LEFT0",
-    "LEFT1",
-    "Q0",
-    "Q1",
-    "Q2",
-    "RIGHT0",
-    "RIGHT1",
-    "START",
-    "copy_row",
-    "cut",
-    "empty_window",
-    "move_window",
-    "slide_sites",
-    "values",
-]
-
 # Columns of a state row before its cells.
 START, Q0, Q1, Q2 = 0, 1, 2, 3  # q of the left face of cell 0; moments
-LEFT0, RIGHT0, LEFT1, RIGHT1 = 4, 5, 6, 7  # means beside the cut at q=0 and at q=1
-FIRST, LAST = 8, 9  # cells that may hold heads: FIRST <= i < LAST; all others are zero
-HEADER = 16  # two cache lines
+FIRST, LAST = 4, 5  # cells that may hold heads: FIRST <= i < LAST; all others are zero
+ZONE, COUNT = 6, 7  # first cell of the zone at q=0 (that at q=1 begins a reach later); parts of a zone
+FACE = 8  # faces of the zone's parts, in cells from its beginning, COUNT + 1 of them
+PARTS = 20  # most parts of a zone
+PART0 = FACE + PARTS + 1  # means of the parts of the zone at q=0
+PART1 = PART0 + PARTS  # and at q=1
+HEADER = 72  # nine cache lines
+CELLS = 6  # cells of a zone
 BLOCK = 16  # cells by which the window moves at a time
 FADED = 1e-20  # means below are given up at the ends of the occupied range
+NEAR = 1e-7  # a face nearer to another than this part of a cell is the same
+ALIKE = 1e-7  # difference of neighbouring means, weighed by their lengths, below which their face is given up
 
 FAST = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
 
@@ -57,26 +42,110 @@ def empty_window(n_sites: int, n_cells: int, low: float, bins: int) -> Array:
     state = np.zeros((n_sites, HEADER + n_cells))
     origin = round(-low * bins)
     state[:, START], state[:, FIRST], state[:, LAST] = -origin / bins, origin, origin + bins + 1
+    state[:, ZONE], state[:, COUNT] = origin - CELLS // 2, CELLS
+    state[:, FACE : FACE + CELLS + 1] = np.arange(CELLS + 1)
     return state
 
 
-@nb.njit(**FAST)
-def cut(start, bins):
-    """Cell that q=0 cuts, and at which fraction of it."""
-    x = -start * bins
-    cell = math.floor(x)
-    return int(cell), x - cell
+def fill_window(state: Array, rho: float, bins: int) -> None:
+    """Fill (0, 1) of an empty window with the mean `rho`, in place."""
+    zone, half = int(state[0, ZONE]), CELLS // 2
+    state[:, HEADER + zone + half : HEADER + zone + half + bins] = rho
+    state[:, PART0 + half : PART0 + CELLS] = rho
+    state[:, PART1 : PART1 + half] = rho
+    state[:, Q0], state[:, Q1] = rho, 0.5 * rho
+    state[:, Q2] = rho * (1.0 / 3.0 - 1.0 / (12.0 * bins**2))
 
 
 @nb.njit(**FAST)
-def values(row, cell, start_cell, bins):
-    """Means left and right of the cut inside `cell`, and whether it is cut."""
-    if cell == start_cell:
-        return row[LEFT0], row[RIGHT0], True
-    if cell == start_cell + bins:
-        return row[LEFT1], row[RIGHT1], True
-    mean = row[HEADER + cell]
-    return mean, mean, False
+def cut_at(start, bins):
+    """Where q=0 cuts, in cells from the window's start."""
+    return -start * bins
+
+
+@nb.njit(**FAST)
+def enter_zone(row, cell, other, bins, scratch):
+    """Move the zones so that they contain `cell`, and `other` if it is near; divided cells that stay remain so."""
+    zone = int(row[ZONE])
+    if zone <= cell < zone + CELLS:
+        return
+    place = (cell + other) // 2 - CELLS // 2 if abs(cell - other) < CELLS else cell - CELLS // 2
+    place = min(max(place, cell - CELLS + 1), cell)
+    count, k = int(row[COUNT]), 0
+    n = 0
+    for i in range(CELLS):
+        old = place + i - zone
+        if 0 <= old < CELLS:
+            while row[FACE + k] < old:
+                k += 1
+            while k < count and row[FACE + k] < old + 1:
+                scratch[0, n] = row[FACE + k] - old + i
+                scratch[1, n], scratch[2, n] = row[PART0 + k], row[PART1 + k]
+                n += 1
+                k += 1
+        else:
+            scratch[0, n] = i
+            scratch[1, n], scratch[2, n] = row[HEADER + place + i], row[HEADER + place + i + bins]
+            n += 1
+    row[FACE : FACE + n], row[FACE + n] = scratch[0, :n], CELLS
+    row[PART0 : PART0 + n], row[PART1 : PART1 + n] = scratch[1, :n], scratch[2, :n]
+    row[ZONE], row[COUNT] = place, n
+
+
+@nb.njit(**FAST)
+def divide(row, y):
+    """Add a face at `y` cells from the zone's beginning; `thin_out` left room for it."""
+    n = int(row[COUNT])
+    k = 0
+    while k + 1 < n and row[FACE + k + 1] <= y:
+        k += 1
+    if y - row[FACE + k] < NEAR or row[FACE + k + 1] - y < NEAR:
+        return
+    for j in range(n, k, -1):
+        row[FACE + j + 1] = row[FACE + j]
+        row[PART0 + j], row[PART1 + j] = row[PART0 + j - 1], row[PART1 + j - 1]
+    row[FACE + k + 1] = y
+    row[COUNT] = n + 1
+
+
+@nb.njit(**FAST)
+def thin_out(row, y):
+    """Give up faces across which the means are alike, and others until there is room; not the cut at `y`."""
+    while True:
+        n, best, least = int(row[COUNT]), -1, math.inf if row[COUNT] >= PARTS else ALIKE
+        for k in range(1, n):
+            face = row[FACE + k]
+            if face == math.floor(face) or abs(face - y) < 2.0 * NEAR:
+                continue
+            left, right = face - row[FACE + k - 1], row[FACE + k + 1] - face
+            jump = abs(row[PART0 + k] - row[PART0 + k - 1]) + abs(row[PART1 + k] - row[PART1 + k - 1])
+            if jump * left * right / (left + right) < least:
+                best, least = k, jump * left * right / (left + right)
+        if best < 0:
+            return
+        left, right = row[FACE + best] - row[FACE + best - 1], row[FACE + best + 1] - row[FACE + best]
+        for part in (PART0 + best, PART1 + best):
+            mean = (left * row[part - 1] + right * row[part]) / (left + right)
+            row[part - 1] = min(mean, 1.0)
+        for k in range(best, n - 1):
+            row[FACE + k] = row[FACE + k + 1]
+            row[PART0 + k], row[PART1 + k] = row[PART0 + k + 1], row[PART1 + k + 1]
+        row[FACE + n - 1] = row[FACE + n]
+        row[COUNT] = n - 1
+
+
+@nb.njit(**FAST)
+def trim(row, cell, bins):
+    """Give up faded cells at the ends of the occupied range, outside the zones' cuts; `cell` is cut by q=0."""
+    first, last = int(row[FIRST]), int(row[LAST])
+    cells = row[HEADER:]
+    while first < cell - CELLS and cells[first] < FADED:
+        cells[first] = 0.0
+        first += 1
+    while last > cell + bins + CELLS + 1 and cells[last - 1] < FADED:
+        cells[last - 1] = 0.0
+        last -= 1
+    row[FIRST], row[LAST] = first, last
 
 
 @nb.njit(**FAST)
@@ -91,7 +160,6 @@ def move_window(row, low, bins):
     cells = row[HEADER:]
     n = cells.size
     first, last = int(row[FIRST]), int(row[LAST])
-    d12 = dq * dq / 12.0
     lost = False
     for i in range(first, last):
         if (i + shift < 0 or i + shift >= n) and cells[i] > 0.0:
@@ -109,10 +177,11 @@ def move_window(row, low, bins):
             cells[i] = 0.0
             cells[i + shift] = x
     row[START] = start - shift * dq
+    row[ZONE] += shift
     if first < last:
         row[FIRST], row[LAST] = first + shift, last + shift
     else:  # nothing is left: the occupied range is where heads can attach
-        cell, _ = cut(row[START], bins)
+        cell = math.floor(cut_at(row[START], bins))
         row[FIRST], row[LAST] = cell, cell + bins + 1
     if lost:  # summed anew, as differences could leave a negative rest
         s0 = s1 = s2 = 0.0
@@ -120,7 +189,7 @@ def move_window(row, low, bins):
             m = row[START] + (i + 0.5) * dq
             s0 += cells[i]
             s1 += cells[i] * m
-            s2 += cells[i] * (m * m + d12)
+            s2 += cells[i] * m * m
         row[Q0], row[Q1], row[Q2] = dq * s0, dq * s1, dq * s2
 
 
@@ -135,19 +204,9 @@ def copy_row(row, out):
 
 
 @nb.njit(**FAST)
-def _recut(row, cell, old, theta, theta_end, bins):
-    """Means left and right of the new cut at `theta_end` of a cell that was cut at `theta`, if at all."""
-    left, right, is_cut = values(row, cell, old, bins)
-    if is_cut and theta_end < theta:
-        right = (left * (theta - theta_end) + right * (1.0 - theta)) / (1.0 - theta_end)
-    elif is_cut and theta_end > theta:
-        left = (left * theta + right * (theta_end - theta)) / theta_end
-    return min(left, 1.0), min(right, 1.0)
-
-
-@nb.njit(**FAST)
 def slide_sites(state, out, copy, displacement, low, bins):
     """Carry the heads of all sites by `displacement` [reach]: `state` to `out`."""
+    scratch = np.empty((3, PARTS + CELLS))
     for site in range(state.shape[0]):
         row = out[site]
         if copy:
@@ -158,13 +217,12 @@ def slide_sites(state, out, copy, displacement, low, bins):
         q0, q1 = row[Q0], row[Q1]
         row[Q1] = q1 + D * q0
         row[Q2] += D * (2.0 * q1 + D * q0)
-        before = row[START]
-        old, theta = cut(before, bins)
-        row[START] = before + D
+        row[START] += D
         move_window(row, low, bins)
-        old += round((before + D - row[START]) * bins)
-        new, theta_end = cut(row[START], bins)
-        l0, r0 = _recut(row, new, old, theta, theta_end, bins)
-        l1, r1 = _recut(row, new + bins, old, theta, theta_end, bins)
-        row[LEFT0], row[RIGHT0], row[LEFT1], row[RIGHT1] = l0, r0, l1, r1
-        row[FIRST], row[LAST] = min(int(row[FIRST]), new), max(int(row[LAST]), new + bins + 1)
+        y = cut_at(row[START], bins)
+        cell = math.floor(y)
+        # Parts that the new cut does not need are kept: it may come back.
+        enter_zone(row, cell, int(row[ZONE]) + CELLS // 2, bins, scratch)
+        divide(row, y - row[ZONE])
+        thin_out(row, y - row[ZONE])
+        row[FIRST], row[LAST] = min(int(row[FIRST]), cell), max(int(row[LAST]), cell + bins + 1)
