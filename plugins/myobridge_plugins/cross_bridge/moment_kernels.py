@@ -20,13 +20,25 @@ _NARROW = 1e-8  # smallest standard deviation, relative to 1 + |mean|: below it,
 
 
 @numba.njit(cache=True)
+def _rounded(q0, q1, q2):
+    """Second moment, put back on the edge Q0 Q2 = Q1^2 where rounding alone has carried it below.
+
+    What is further below is left: a method that breaks realizability must show it.
+    """
+    square, product = q1 * q1, q0 * q2
+    if q0 > _EMPTY and product < square and product > (1.0 - 1e-10) * square:
+        return square / q0 * (1.0 + 1e-15)
+    return q2
+
+
+@numba.njit(cache=True)
 def shift(state, displacement, out):
     """Carry each population by its displacement [reach]: exact for any density."""
     for i in range(state.shape[0]):
         x, q0, q1, q2 = displacement[i], state[i, 0], state[i, 1], state[i, 2]
         out[i, 0] = q0
         out[i, 1] = q1 + x * q0
-        out[i, 2] = q2 + x * (2.0 * q1 + x * q0)
+        out[i, 2] = _rounded(q0, q1 + x * q0, q2 + x * (2.0 * q1 + x * q0))
 
 
 @numba.njit(cache=True)
@@ -87,10 +99,7 @@ def _step(q0, q1, q2, ra, c, dt, f1, g1, g2, g3):
     turnover = 0.25 * c * share * g1 * dt
     attached = turnover + share * change
     detached = turnover - (1.0 - share) * change + lost_outside if k > 0.0 else lost_outside
-    # A difference of squares that rounding made negative is put back on the edge of what is realizable.
-    if n0 > _EMPTY:
-        n2 = max(n2, n1 * n1 / n0)
-    return n0, n1, n2, attached, detached
+    return n0, n1, _rounded(n0, n1, n2), attached, detached
 
 
 @numba.njit(cache=True)
