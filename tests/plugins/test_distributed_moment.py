@@ -120,7 +120,7 @@ def test_truncated_moments_against_quadrature(mean, sd, a):
     # The rule's own nodes are rounded: (q - mean)/sd is known to eps |mean|/sd only.
     tolerance = 1e-11 + np.finfo(float).eps * (1.0 + abs(mean)) / sd
     for name, found, expected in (
-        ("left", left(mean, sd, 0.0), by_rule(-far, 0.0, 0.0)),
+        ("left", left(mean, sd), by_rule(-far, 0.0, 0.0)),
         ("inner", inner(mean, sd, a), by_rule(0.0, 1.0, a)),
         ("right", right(mean, sd, a, 0.0), by_rule(1.0, far, a)),
     ):
@@ -130,7 +130,7 @@ def test_truncated_moments_against_quadrature(mean, sd, a):
 
 
 def test_half_a_gaussian():
-    assert left(0.0, 2.0, 0.0)[:3] == pytest.approx((0.5, -2.0 / np.sqrt(2.0 * np.pi), 2.0), rel=1e-14)
+    assert left(0.0, 2.0)[:3] == pytest.approx((0.5, -2.0 / np.sqrt(2.0 * np.pi), 2.0), rel=1e-14)
     assert right(1.0, 0.5, 0.0, 0.0)[0] == pytest.approx(0.5, rel=1e-15)
     assert right(-3.0, 0.5, 0.0, 0.0)[0] == pytest.approx(0.5 * erfc(8.0 / np.sqrt(2.0)), rel=1e-12)
 

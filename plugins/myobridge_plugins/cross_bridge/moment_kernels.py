@@ -79,19 +79,19 @@ def _step(q0, q1, q2, ra, c, dt, f1, g1, g2, g3):
     was_inside = lost_outside = 0.0
     if q0 > _EMPTY:
         mean, sd = _gaussian(q0, q1, q2)
-        a0, a1, a2, _ = left(mean, sd, -g2 * dt)
+        left0, left1, left2, _ = left(mean, sd)
+        kept = math.exp(-g2 * dt)
         b0, b1, b2, _ = inner(mean, sd, k * dt)
         d0, d1, d2, _ = right(mean, sd, (g1 + g3) * dt, g3 * dt)
         _, _, w2, _ = inner(mean, sd, 0.0)
-        _, _, left2, _ = left(mean, sd, 0.0)
         _, _, right2, _ = right(mean, sd, 0.0, 0.0)
-        n0 += q0 * (a0 + b0 + d0)
-        n1 += q0 * (a1 + b1 + d1)
+        n0 += q0 * (kept * left0 + b0 + d0)
+        n1 += q0 * (kept * left1 + b1 + d1)
         was_inside = q0 * w2
-        lost_outside = q0 * ((left2 - a2) + (right2 - d2))
+        lost_outside = q0 * (-math.expm1(-g2 * dt) * left2 + (right2 - d2))
         n2 += q0 * b2
         change = n2 - was_inside
-        n2 += q0 * (a2 + d2)
+        n2 += q0 * (kept * left2 + d2)
     else:
         change = n2
     # Inside (0, 1) rho follows one exponential, so what attached and what detached are fractions of its change plus the
@@ -127,7 +127,7 @@ def _slopes(q0, q1, q2, ra, c, f1, g1, g2, g3):
     if not q0 > _EMPTY:
         return up0, up1, up2, 0.0, 0.0, 0.0
     mean, sd = _gaussian(q0, q1, q2)
-    a0, a1, a2, _ = left(mean, sd, 0.0)
+    a0, a1, a2, _ = left(mean, sd)
     _, b1, b2, b3 = inner(mean, sd, 0.0)
     d0, d1, d2, d3 = right(mean, sd, 0.0, 0.0)
     f, g, h = ra * f1 * q0, g1 * q0, g3 * q0

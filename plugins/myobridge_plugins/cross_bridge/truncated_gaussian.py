@@ -74,9 +74,9 @@ def _tail(edge: float, mean: float, sd: float, a: float, b: float) -> _Moments:
 
 
 @numba.njit(cache=True)
-def left(mean: float, sd: float, b: float) -> _Moments:
-    """Moments over q < 0 with the weight exp(b), b <= 0."""
-    n0, n1, n2, n3 = _tail(0.0, -mean, sd, 0.0, b)
+def left(mean: float, sd: float) -> _Moments:
+    """Moments over q < 0, without weight: the decay there does not depend on q."""
+    n0, n1, n2, n3 = _tail(0.0, -mean, sd, 0.0, 0.0)
     return n0, -n1, n2, -n3
 
 
