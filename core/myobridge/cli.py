@@ -129,17 +129,14 @@ def _explain(options: argparse.Namespace) -> int:
 
     from myobridge.plan import Plan
     from myobridge.scene import Scene
-    from myobridge.tables import effects_table, settings_table
+    from myobridge.tables import effects_table, settings_table, sizes_table
 
     plan = Plan.of(Scene.load(options.scene, _settings(options.settings)))
     plan.simulation()  # what does not go together is said here, not at the run
     console = Console()
     console.print(settings_table(plan))
     console.print(effects_table(plan))
-    sizes = plan.sizes()
-    console.print(", ".join(f"{value:,} {name}" for name, value in sizes.items()))
-    steps = round(plan.scene.duration / plan.scene.step)
-    console.print(f"{steps:,} steps of {plan.scene.step:g} s")
+    console.print(sizes_table(plan))
     return 0
 
 

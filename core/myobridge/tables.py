@@ -15,7 +15,15 @@ from myobridge.plan import Plan
 from myobridge.registry import Registry
 from myobridge.run import Run
 
-__all__ = ["effects_table", "ledger_table", "plugins_json", "plugins_table", "settings_table", "shares_table"]
+__all__ = [
+    "effects_table",
+    "ledger_table",
+    "plugins_json",
+    "plugins_table",
+    "settings_table",
+    "shares_table",
+    "sizes_table",
+]
 
 
 def settings_table(plan: Plan) -> Table:
@@ -58,6 +66,34 @@ def effects_table(plan: Plan) -> Table:
             effect, f"[{colours[state]}]{state}[/]", f"[dim]{escape(reason)}[/]" if state == "off" else escape(reason)
         )
     return table
+
+
+def sizes_table(plan: Plan) -> Table:
+    """How large a simulation is: unknowns, sites, memory, steps."""
+    table = Table(title="sizes", title_justify="left")
+    for column in ("what", "how much"):
+        table.add_column(column)
+    solid, model = plan.parts["solid"], plan.parts.get("cross_bridges")
+    table.add_row("solid", f"{solid.n_unknowns:,} unknowns, {solid.n_sites:,} sites")
+    if model is None:
+        table.add_row("population", "none: no cross-bridges called for")
+    else:
+        sizes = plan.sizes()
+        values, size = sizes["values a site"], sizes["population bytes"]
+        table.add_row("population", f"{values:,} values a site, {_bytes(size)} (state and trial)")
+    steps = round(plan.scene.duration / plan.scene.step)
+    table.add_row("time", f"{steps:,} steps of {plan.scene.step:g} s")
+    record = plan.scene.record
+    table.add_row("record", f"every {record.every:,} steps: {', '.join(record.quantities) or 'time only'}")
+    return table
+
+
+def _bytes(size: float) -> str:
+    for unit in ("B", "kB", "MB"):
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size = size / 1000
+    return f"{size:.3g} GB"
 
 
 def ledger_table(run: Run) -> Table:

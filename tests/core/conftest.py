@@ -67,6 +67,7 @@ step = 1e-3
 [solid]
 plugin = "rope"
 elements = 2
+modulus = 1e6
 length = 0.1
 mass = 0.01
 stretch_at_start = 1.02
