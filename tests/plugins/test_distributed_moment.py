@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -208,7 +209,9 @@ def test_reference_force_velocity():
         assert np.max(np.abs(found[0] + carried)) < 2e-6 * (1.0 + abs(speed)), speed
 
 
-STIFFNESS = {scale: {"f1": 43.3 * scale, "g1": 10.0 * scale, "g2": 209.0 * scale} for scale in (1.0, 1e3)}
+STIFFNESS: dict[float, dict[str, Any]] = {
+    scale: {"f1": 43.3 * scale, "g1": 10.0 * scale, "g2": 209.0 * scale} for scale in (1.0, 1e3)
+}
 HARD = [
     DistributedMoment(method=method, activation_scales=what, **STIFFNESS[scale])
     for method in ("projection", "extrapolated")

@@ -1,6 +1,7 @@
 r"""Kernels on the moments Q0, Q1, Q2 of a population: sliding, reaction of a Gaussian, steady state.
 
-All take and fill arrays of shape (n_sites, 3); `out` may be the input. Rates are f1, g1, g2, g3 [1/s] of Huxley (1957).
+All take and fill arrays of shape (n_sites, 3); `out` may be the input. `fluxes` is (4, n_sites), in the order of Fluxes,
+`unit` the energy of a second moment of 1. Rates are f1, g1, g2, g3 [1/s] of Huxley (1957).
 The reaction is written for attachment `ra f (c - rho)` with rate factor ra and attachable fraction c, linear in rho.
 """
 
@@ -103,7 +104,14 @@ def _step(q0, q1, q2, ra, c, dt, f1, g1, g2, g3):
 
 
 @numba.njit(cache=True)
-def react_exactly(state, rate, capacity, dt, rates, extrapolate, out, attached, detached):
+def _book(fluxes, i, unit, attached, detached, change):
+    """Energies of site i from second moments: attached, detached, no work, and the rounding, booked and not hidden."""
+    fluxes[0, i], fluxes[1, i], fluxes[2, i] = unit * attached, unit * detached, 0.0
+    fluxes[3, i] = unit * (change - (attached - detached))
+
+
+@numba.njit(cache=True)
+def react_exactly(state, rate, capacity, dt, rates, extrapolate, unit, out, fluxes):
     """Exponential projection; with `extrapolate` twice at half the step, minus once, where that is realizable."""
     f1, g1, g2, g3 = rates
     for i in range(state.shape[0]):
@@ -117,7 +125,7 @@ def react_exactly(state, rate, capacity, dt, rates, extrapolate, out, attached, 
                 n0, n1, n2 = e0, e1, e2
                 up, down = 2.0 * (up1 + up2) - up, 2.0 * (down1 + down2) - down
         out[i, 0], out[i, 1], out[i, 2] = n0, n1, n2
-        attached[i], detached[i] = up, down
+        _book(fluxes, i, unit, up, down, n2 - q2)
 
 
 @numba.njit(cache=True)
@@ -143,14 +151,14 @@ def _slopes(q0, q1, q2, ra, c, f1, g1, g2, g3):
 
 
 @numba.njit(cache=True)
-def react_euler(state, rate, capacity, dt, rates, out, attached, detached):
+def react_euler(state, rate, capacity, dt, rates, unit, out, fluxes):
     """Explicit Euler step of the moment equations: the baseline, unrealizable after few steps."""
     f1, g1, g2, g3 = rates
     for i in range(state.shape[0]):
         q0, q1, q2 = state[i, 0], state[i, 1], state[i, 2]
         u0, u1, u2, d0, d1, d2 = _slopes(q0, q1, q2, rate[i], capacity[i], f1, g1, g2, g3)
         out[i, 0], out[i, 1], out[i, 2] = q0 + dt * (u0 - d0), q1 + dt * (u1 - d1), q2 + dt * (u2 - d2)
-        attached[i], detached[i] = dt * u2, dt * d2
+        _book(fluxes, i, unit, dt * u2, dt * d2, out[i, 2] - q2)
 
 
 @numba.njit(cache=True)
