@@ -1,7 +1,7 @@
 r"""Kernels on the moments Q0, Q1, Q2 of a population: sliding, reaction of a Gaussian, steady state.
 
-All take and fill arrays of shape (n_sites, 3); `out` may be the input. `fluxes` is (4, n_sites), in the order of Fluxes,
-`unit` the energy of a second moment of 1. Rates are f1, g1, g2, g3 [1/s] of Huxley (1957).
+All take and fill arrays of shape (n_sites, 3); `out` may be the input. `fluxes` is (4, n_sites), in the order of
+`Fluxes`; `unit` is the energy of a second moment of 1.
 The reaction is written for attachment `ra f (c - rho)` with rate factor ra and attachable fraction c, linear in rho.
 """
 
