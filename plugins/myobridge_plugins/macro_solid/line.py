@@ -25,6 +25,9 @@ from myobridge.solvers import times
 
 __all__ = ["Line", "LineMesh"]
 
+# Below this many unknowns dense matrices are faster than the bookkeeping of sparse ones.
+_DENSE = 120
+
 
 class LineMesh(NamedTuple):
     """Discrete line: nodes and sites [m], derivative at the sites [1/m], site lengths [m], mass over total mass."""
@@ -128,12 +131,17 @@ class Line(MacroSolid):
     @cached_property
     def _derivative(self) -> Any:
         """Derivative of the free components at the sites, (n_sites * n_axes, n_unknowns)."""
-        full = sparse.kron(self.mesh.derivative, np.eye(self.n_axes), format="csc")
-        return sparse.csr_array(full[:, self.free])
+        full = sparse.kron(self.mesh.derivative, np.eye(self.n_axes), format="csc")[:, self.free]
+        return full.toarray() if self.n_unknowns <= _DENSE else sparse.csr_array(full)
 
     @cached_property
     def _transposed(self) -> Any:
-        return sparse.csr_array(self._derivative.T)
+        derivative = self._derivative
+        return np.ascontiguousarray(derivative.T) if self.n_unknowns <= _DENSE else sparse.csr_array(derivative.T)
+
+    @cached_property
+    def _node_derivative(self) -> Any:
+        return self.mesh.derivative.toarray() if self.n_unknowns <= _DENSE else self.mesh.derivative
 
     @cached_property
     def mass_matrix(self) -> Matrix:
@@ -141,7 +149,8 @@ class Line(MacroSolid):
         if isinstance(mass, np.ndarray):
             return self.mass * np.repeat(mass, self.n_axes)[self.free]
         full = sparse.csc_array(sparse.kron(mass, np.eye(self.n_axes)))
-        return self.mass * sparse.csc_array(full[:, self.free][self.free])
+        free = self.mass * full[:, self.free][self.free]
+        return free.toarray() if self.n_unknowns <= _DENSE else sparse.csc_array(free)
 
     def rest_motion(self) -> Motion:
         moved = (self.stretch_at_start - 1.0) * self._reference.ravel()[self.free]
@@ -157,7 +166,7 @@ class Line(MacroSolid):
 
     def _gradient(self, displacement: Array) -> tuple[Array, Array]:
         """Direction times stretch at the sites (n_sites, n_axes), and the stretch."""
-        gradient = self.mesh.derivative @ self.positions(displacement)
+        gradient = self._node_derivative @ self.positions(displacement)
         return gradient, np.sqrt(np.einsum("ia,ia->i", gradient, gradient))
 
     def stretch(self, displacement: Array, time: float) -> Array:
@@ -205,6 +214,9 @@ class Line(MacroSolid):
     def _between(self, blocks: Array) -> Any:
         """B^T diag(blocks) B."""
         n = self.n_sites
+        if self.n_unknowns <= _DENSE:
+            derivative = self._derivative.reshape(n, self.n_axes, self.n_unknowns)
+            return self._transposed @ (blocks @ derivative).reshape(self._derivative.shape)
         middle = sparse.bsr_array((blocks, np.arange(n), np.arange(n + 1)))
         return sparse.csc_array(self._transposed @ (middle @ self._derivative))
 
