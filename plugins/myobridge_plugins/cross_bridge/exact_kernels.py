@@ -1,8 +1,10 @@
 r"""Compiled kernels of the exact scheme: one step of a site's cells along a path of constant speed.
 
-Whole cells outside the zones lie within one region for the whole path (longer paths are composed of shorter ones) and take
-the path of their centre. Within a zone, the new cut divides one more part; every part is carried from two Gauss points,
+Whole cells outside the zones lie within one region for the whole path (longer paths are composed of shorter ones) and
+take the path of their centre. Within a zone, the new cut divides one more part; every part is carried from two Gauss points,
 as it may cross a cut on its way. All means are convex combinations, so that they stay in [0, 1].
+
+As it may be coarse, its profile is taken as linear between those of its neighbours.
 
 A part counts for the moments, and for all energies, as that fraction of its cell, at the cell's centre.
 """
@@ -14,7 +16,16 @@ import math
 import numba as nb
 import numpy as np
 
-from myobridge_plugins.cross_bridge.label_kernels import carry, decay, relaxed_time
+from myobridge_plugins.cross_bridge.label_kernels import carry, decay
+from myobridge_plugins.cross_bridge.range_kernels import (
+    fading,
+    high_dwell,
+    highest,
+    step_crowded,
+    step_high,
+    step_low,
+    step_mid,
+)
 from myobridge_plugins.cross_bridge.window_kernels import (
     CELLS,
     COUNT,
@@ -42,8 +53,17 @@ from myobridge_plugins.cross_bridge.window_kernels import (
 
 __all__ = ["step_sites"]
 
-TINY = 1e-30  # means below are set to zero: they would become denormal and slow
 _PAIR = 0.28867513459481287  # half of 1/sqrt(3), Gauss' rule with two points
+
+
+@nb.njit(**FAST)
+def _slope(before, value, after, width_before, width, width_after):
+    """Slope of a linear profile within a part that stays between the means of its neighbours."""
+    rise, fall = value - before, after - value
+    if rise * fall <= 0.0:
+        return 0.0
+    mean = abs(after - before) / (width + 0.5 * (width_before + width_after))
+    return math.copysign(min(mean, 2.0 * min(abs(rise), abs(fall)) / width), rise)
 
 
 @nb.njit(**FAST)
@@ -51,18 +71,24 @@ def _step_parts(row, flux, site, first_part, first_cell, D, dt, f, a, g1, g2, g3
     """Parts of one zone, each carried along the path; moment sums of its cells before and after."""
     dq = 1.0 / bins
     b0 = b1 = b2 = a0 = a1 = a2 = work = detached = attached = 0.0
-    k = 0
+    n, k = int(row[COUNT]), 0
+    before, gap = row[HEADER + first_cell - 1], 1.0  # mean and length of the part to the left
     for cell in range(CELLS):
         at = HEADER + first_cell + cell
         centre = row[START] + (first_cell + cell + 0.5) * dq
         mean = 0.0
-        while row[FACE + k] < cell + 1:
+        while k < n and row[FACE + k] < cell + 1:
             length = row[FACE + k + 1] - row[FACE + k]
             middle = 0.5 * (row[FACE + k + 1] + row[FACE + k]) - cell - 0.5
-            new = 0.0
+            old, new = row[first_part + k], 0.0
+            if k + 1 < n:
+                slope = _slope(before, old, row[first_part + k + 1], gap, length, row[FACE + k + 2] - row[FACE + k + 1])
+            else:
+                slope = _slope(before, old, row[HEADER + first_cell + CELLS], gap, length, 1.0)
+            before, gap = old, length
             for node in (-_PAIR, _PAIR):
                 delta = (middle + node * length) * dq
-                value, w, d, t = carry(row[first_part + k], centre + delta, D, dt, delta, f, a, g1, g2, g3)
+                value, w, d, t = carry(old + slope * node * length, centre + delta, D, dt, delta, f, a, g1, g2, g3)
                 new += 0.5 * min(max(value, 0.0), 1.0)
                 work += 0.5 * length * w
                 detached += 0.5 * length * d
@@ -86,103 +112,11 @@ def _step_parts(row, flux, site, first_part, first_cell, D, dt, f, a, g1, g2, g3
 
 
 @nb.njit(**FAST)
-def _step_crowded(cells, flux, site, q, D, dq, dt, f, a, g1, g2, g3):
-    """Cells within (0, 1), some above the attachable fraction. Moment sums before and after."""
-    b0 = b1 = b2 = a0 = a1 = a2 = 0.0
-    for i in range(cells.size):
-        m = q + i * dq
-        x = cells[i]
-        b0 += x
-        b1 += x * m
-        b2 += x * m * m
-        x, w, d, t = carry(x, m, D, dt, 0.0, f, a, g1, g2, g3)
-        x = min(max(x, 0.0), 1.0)
-        cells[i] = x
-        flux[0, site] += dq * t
-        flux[1, site] += dq * d
-        flux[2, site] += dq * w
-        m += D
-        a0 += x
-        a1 += x * m
-        a2 += x * m * m
-    return b0, b1, b2, a0, a1, a2
+def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, whole_dt):
+    """One site along a path that ends at most CELLS - 1 cells away; fluxes in h-units are added.
 
-
-@nb.njit(**FAST)
-def _step_low(cells, q, dq, factor):
-    """Cells below q=0, the first centred at q: all decay by one factor. Moment sums before."""
-    s0 = s1 = s2 = 0.0
-    for i in range(cells.size):
-        x = cells[i]
-        m = q + i * dq
-        y = x * m
-        s0 += x
-        s1 += y
-        s2 += y * m
-        x *= factor
-        cells[i] = x if x > TINY else 0.0
-    return s0, s1, s2
-
-
-@nb.njit(**FAST)
-def _step_high(cells, q, D, dq, G, g3, dt):
-    """Cells above q=1, the first centred at q before the step. Moment sums after."""
-    s0 = s1 = s2 = 0.0
-    for i in range(cells.size):
-        m = q + i * dq
-        x = cells[i] * decay((g3 - G * (m + 0.5 * D)) * dt)
-        x = x if x > TINY else 0.0
-        cells[i] = x
-        m += D
-        y = x * m
-        s0 += x
-        s1 += y
-        s2 += y * m
-    return s0, s1, s2
-
-
-@nb.njit(**FAST)
-def _step_mid(cells, q, D, dq, c, F, dt):
-    """Cells within (0, 1), none above the attachable fraction. Moment sums before and after."""
-    b0 = b1 = b2 = a0 = a1 = a2 = 0.0
-    for i in range(cells.size):
-        m = q + i * dq
-        x = cells[i]
-        y = x * m
-        b0 += x
-        b1 += y
-        b2 += y * m
-        x = F + (x - F) * decay(-c * (m + 0.5 * D) * dt)
-        x = x if x > TINY else 0.0
-        cells[i] = x
-        m += D
-        y = x * m
-        a0 += x
-        a1 += y
-        a2 += y * m
-    return b0, b1, b2, a0, a1, a2
-
-
-@nb.njit(**FAST)
-def _high_dwell(cells, q, v, dq, G, g3, dt):
-    """Sum of int rho dt of the cells above q=1; needed for the work when g3 > 0."""
-    total = 0.0
-    for i in range(cells.size):
-        total += relaxed_time(cells[i], 0.0, q + i * dq, v, dt, G, -g3)
-    return total
-
-
-@nb.njit(**FAST)
-def _highest(cells):
-    top = 0.0
-    for i in range(cells.size):
-        top = max(top, cells[i])
-    return top
-
-
-@nb.njit(**FAST)
-def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
-    """One site along a path that ends at most CELLS - 1 cells away; fluxes in h-units are added."""
+    `table` is that of `fading` for a step `whole_dt`.
+    """
     dq = 1.0 / bins
     start = row[START]
     v = D / dt
@@ -193,7 +127,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
     first, last = min(int(row[FIRST]), zone), max(int(row[LAST]), zone + bins + CELLS)
     cells = row[HEADER:]
     centre = start + 0.5 * dq
-    n0, n1, n2, m0, m1, m2 = _step_parts(row, flux, site, PART0, zone, D, dt, f, a, g1, g2, g3, bins)
+    n0, _, n2, m0, m1, m2 = _step_parts(row, flux, site, PART0, zone, D, dt, f, a, g1, g2, g3, bins)
     t0, t1, t2, u0, u1, u2 = _step_parts(row, flux, site, PART1, zone + bins, D, dt, f, a, g1, g2, g3, bins)
     n0 += t0
     n2 += t2
@@ -203,10 +137,10 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
     # Between the zones.
     middle = cells[zone + CELLS : zone + bins]
     q = centre + (zone + CELLS) * dq
-    if a >= 1.0 or _highest(middle) <= a:
+    if a >= 1.0 or highest(middle) <= a:
         c = f + g1
         F = f * a / c if c > 0.0 else 0.0
-        t0, t1, t2, u0, u1, u2 = _step_mid(middle, q, D, dq, c, F, dt)
+        t0, t1, t2, u0, u1, u2 = step_mid(middle, q, D, dq, c, F, dt)
         work = 0.0
         if c > 0.0:
             # Sums of p and p^3 over the cells, p the centre of the path.
@@ -224,7 +158,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
             work = 0.5 * D * dq * (t1 + u1)
         flux[2, site] += work
     else:
-        t0, t1, t2, u0, u1, u2 = _step_crowded(middle, flux, site, q, D, dq, dt, f, a, g1, g2, g3)
+        t0, t1, t2, u0, u1, u2 = step_crowded(middle, flux, site, q, D, dq, dt, f, a, g1, g2, g3)
     n0 += t0
     n2 += t2
     m0 += u0
@@ -232,7 +166,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
     m2 += u2
     # Below.
     factor = math.exp(-g2 * dt)
-    b0, b1, b2 = _step_low(cells[first:zone], centre + first * dq, dq, factor)
+    b0, b1, b2 = step_low(cells[first:zone], centre + first * dq, dq, factor)
     a0 = factor * b0
     a1 = factor * (b1 + D * b0)
     a2 = factor * (b2 + D * (2.0 * b1 + D * b0))
@@ -245,8 +179,10 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
     above = cells[zone + bins + CELLS : last]
     q = centre + (zone + bins + CELLS) * dq
     G = g1 + g3
-    dwell = _high_dwell(above, q, v, dq, G, g3, dt) if g3 > 0.0 and D != 0.0 else 0.0
-    t0, t1, t2 = _step_high(above, q, D, dq, G, g3, dt)
+    dwell = high_dwell(above, q, v, dq, G, g3, dt) if g3 > 0.0 and D != 0.0 else 0.0
+    if whole_dt != dt:
+        table = fading(above.size, G * dq * dt)
+    t0, t1, t2 = step_high(above, q + D, dq, math.exp((g3 - G * (q + 0.5 * D)) * dt), table)
     if above.size > 0:
         h0, h2 = row[Q0] * bins - b0 - n0, row[Q2] * bins - b2 - n2
         work = 0.0
@@ -264,26 +200,31 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch):
 
 
 @nb.njit(**FAST)
-def _react_parts(row, first_part, first_cell, dt, c, F, g2, G, g3, bins):
+def _react_parts(row, first_part, first_cell, dt, c, F, g2, G, g3, bins, scratch):
     """Parts of one zone, filament held: moment sums after, and what (0, 1) gained: int q^2 d rho, int q^2 p dt."""
     dq = 1.0 / bins
+    start = row[START] + first_cell * dq
+    n = int(row[COUNT])
+    faces, means, old = row[FACE : FACE + n + 1], row[first_part : first_part + n], scratch[0, :n]
+    for k in range(n):
+        p = start + 0.5 * (faces[k + 1] + faces[k]) * dq
+        inside = 0.0 < p < 1.0
+        rate = c * p if inside else (G * p - g3 if p > 0.0 else g2)
+        goal = F if inside else 0.0
+        old[k] = means[k]
+        means[k] = goal + (old[k] - goal) * decay(-rate * dt)
     a0 = a1 = a2 = gained = weighted = 0.0
     k = 0
     for cell in range(CELLS):
-        m = row[START] + (first_cell + cell + 0.5) * dq
+        m = start + (cell + 0.5) * dq
         mean = 0.0
-        while row[FACE + k] < cell + 1:
-            length = row[FACE + k + 1] - row[FACE + k]
-            p = row[START] + (first_cell + 0.5 * (row[FACE + k + 1] + row[FACE + k])) * dq
-            old = row[first_part + k]
+        while k < n and faces[k] < cell + 1:
+            length = faces[k + 1] - faces[k]
+            p = start + 0.5 * (faces[k + 1] + faces[k]) * dq
             if 0.0 < p < 1.0:
-                new = F + (old - F) * decay(-c * p * dt)
-                gained += m * m * length * (new - old)
+                gained += m * m * length * (means[k] - old[k])
                 weighted += m * m * length * p * dt
-            else:
-                new = old * decay((g3 - G * p) * dt if p > 0.0 else -g2 * dt)
-            row[first_part + k] = new
-            mean += length * new
+            mean += length * means[k]
             k += 1
         mean = min(mean, 1.0)
         row[HEADER + first_cell + cell] = mean
@@ -294,7 +235,7 @@ def _react_parts(row, first_part, first_cell, dt, c, F, g2, G, g3, bins):
 
 
 @nb.njit(**FAST)
-def _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor):
+def _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, table, scratch):
     """One site, filament held, no mean above the attachable fraction: `_step_site` without a path, and faster."""
     dq = 1.0 / bins
     zone = int(row[ZONE])
@@ -304,13 +245,15 @@ def _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor):
     G = g1 + g3
     c = f + g1
     F = f * a / c if c > 0.0 else 0.0
-    b0, b1, b2 = _step_low(cells[first:zone], centre + first * dq, dq, factor)
+    b0, b1, b2 = step_low(cells[first:zone], centre + first * dq, dq, factor)
     q = centre + (zone + CELLS) * dq
     k = bins - float(CELLS)
-    t0, t1, t2, u0, u1, u2 = _step_mid(cells[zone + CELLS : zone + bins], q, 0.0, dq, c, F, dt)
-    a0, a1, a2 = _step_high(cells[zone + bins + CELLS : last], q + bins * dq, 0.0, dq, G, g3, dt)
-    v0, v1, v2, gained0, weighted0 = _react_parts(row, PART0, zone, dt, c, F, g2, G, g3, bins)
-    w0, w1, w2, gained1, weighted1 = _react_parts(row, PART1, zone + bins, dt, c, F, g2, G, g3, bins)
+    _, _, t2, u0, u1, u2 = step_mid(cells[zone + CELLS : zone + bins], q, 0.0, dq, c, F, dt)
+    q1 = q + bins * dq
+    above = cells[zone + bins + CELLS : last]
+    a0, a1, a2 = step_high(above, q1, dq, math.exp((g3 - G * q1) * dt), table)
+    v0, v1, v2, gained0, weighted0 = _react_parts(row, PART0, zone, dt, c, F, g2, G, g3, bins, scratch)
+    w0, w1, w2, gained1, weighted1 = _react_parts(row, PART1, zone + bins, dt, c, F, g2, G, g3, bins, scratch)
     # Within (0, 1), rho' = c q (F - rho), so that the detached energy follows from the change and from int q dt.
     p = q + 0.5 * dq * (k - 1.0)
     weighted = k * p * (p * p + 0.25 * dq * dq * (k * k - 1.0)) * dt + weighted0 + weighted1
@@ -335,6 +278,12 @@ def step_sites(state, out, copy, flux, displacement, dt, activation, overlap, by
     f1, g1, g2, g3 = rates
     factor = math.exp(-g2 * dt)
     scratch = np.empty((3, PARTS + CELLS))
+    size = state.shape[1] - HEADER
+    if state.shape[0] < 8:  # a table of the whole window is not worth while
+        size = CELLS
+        for site in range(state.shape[0]):
+            size = max(size, int(state[site, LAST] - state[site, ZONE]))
+    table = fading(size, (g1 + g3) * dt / bins)
     for site in range(state.shape[0]):
         row = out[site]
         if copy:
@@ -345,12 +294,14 @@ def step_sites(state, out, copy, flux, displacement, dt, activation, overlap, by
         a = o if by_rate else r * o
         D = displacement[site] if displacement.size > 1 else displacement[0]
         zone = int(row[ZONE])
-        if D == 0.0 and (a >= 1.0 or _highest(row[PART0:HEADER]) <= a >= _highest(row[HEADER + zone : HEADER + zone + bins])):
-            _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor)
+        if D == 0.0 and (
+            a >= 1.0 or highest(row[PART0:HEADER]) <= a >= highest(row[HEADER + zone : HEADER + zone + bins])
+        ):
+            _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, table, scratch)
         else:
             parts = max(math.ceil(abs(D) * bins / (CELLS - 1.0)), 1)
             for _ in range(parts):
-                _step_site(row, flux, site, D / parts, dt / parts, f, a, g1, g2, g3, bins, scratch)
+                _step_site(row, flux, site, D / parts, dt / parts, f, a, g1, g2, g3, bins, scratch, table, dt)
                 flux[3, site] -= 0.5 * row[Q2]
                 move_window(row, low, bins)
                 flux[3, site] += 0.5 * row[Q2]

@@ -1,13 +1,13 @@
 r"""Compiled kernels of a window of cells that rides with the filament: layout of a state row, slide, moving the window.
 
-Cell `i` spans :math:`q \in s + [i, i+1]\,\Delta q` and stores the mean of :math:`\rho` in it; :math:`s` moves with the
-filament, so a slide is one addition. The positions q=0 and q=1, where the rates jump, cut one cell each, at the same
-fraction of its width (a reach is a whole number of cells). Around each cut lies a *zone* of a few cells that are divided
-further: at the cut, and at faces that the cut left behind where it turned or stopped. Both zones have the same faces. The
-faces across which the means differ least are given up when there are too many.
+Cell `i` spans :math:`q \in s + [i, i+1]\,\Delta q` and stores the mean of :math:`\rho` in it; :math:`s` moves with
+the filament, so a slide is one addition. The positions q=0 and q=1, where the rates jump, cut one cell each, at the
+same fraction of its width (a reach is a whole number of cells). Around each cut lies a *zone* of a few cells that are
+divided further: at the cut, and at faces that the cut left behind where it turned or stopped. Both zones have the same
+faces. Those across which the means differ least are given up when there are too many.
 
-Moments count a cell at its centre, divided or not, :math:`Q_k = \sum \bar\rho\,\Delta q\,(1, m, m^2)`: then a slide shifts
-them exactly, :math:`Q_1 + x Q_0`, :math:`Q_2 + 2 x Q_1 + x^2 Q_0`.
+Moments count a cell at its centre, divided or not, :math:`Q_k = \sum \bar\rho\,\Delta q\,(1, m, m^2)`: then a slide
+shifts them exactly, :math:`Q_1 + x Q_0`, :math:`Q_2 + 2 x Q_1 + x^2 Q_0`.
 """
 
 from __future__ import annotations
