@@ -1,10 +1,9 @@
 r"""Compiled kernels of the exact scheme: one step of a site's cells along a path of constant speed.
 
 Whole cells outside the zones lie within one region for the whole path (longer paths are composed of shorter ones) and
-take the path of their centre. Within a zone, the new cut divides one more part; every part is carried from two Gauss points,
-as it may cross a cut on its way. All means are convex combinations, so that they stay in [0, 1].
-
-As it may be coarse, its profile is taken as linear between those of its neighbours.
+take the path of their centre. Within a zone, the new cut divides one more part; every part is carried from two Gauss
+points of a linear profile, as it may cross a cut on its way. All means are convex combinations, so that they stay in
+[0, 1].
 
 A part counts for the moments, and for all energies, as that fraction of its cell, at the cell's centre.
 """
@@ -47,6 +46,7 @@ from myobridge_plugins.cross_bridge.window_kernels import (
     divide,
     enter_zone,
     move_window,
+    part_slope,
     thin_out,
     trim,
 )
@@ -54,16 +54,6 @@ from myobridge_plugins.cross_bridge.window_kernels import (
 __all__ = ["step_sites"]
 
 _PAIR = 0.28867513459481287  # half of 1/sqrt(3), Gauss' rule with two points
-
-
-@nb.njit(**FAST)
-def _slope(before, value, after, width_before, width, width_after):
-    """Slope of a linear profile within a part that stays between the means of its neighbours."""
-    rise, fall = value - before, after - value
-    if rise * fall <= 0.0:
-        return 0.0
-    mean = abs(after - before) / (width + 0.5 * (width_before + width_after))
-    return math.copysign(min(mean, 2.0 * min(abs(rise), abs(fall)) / width), rise)
 
 
 @nb.njit(**FAST)
@@ -81,10 +71,7 @@ def _step_parts(row, flux, site, first_part, first_cell, D, dt, f, a, g1, g2, g3
             length = row[FACE + k + 1] - row[FACE + k]
             middle = 0.5 * (row[FACE + k + 1] + row[FACE + k]) - cell - 0.5
             old, new = row[first_part + k], 0.0
-            if k + 1 < n:
-                slope = _slope(before, old, row[first_part + k + 1], gap, length, row[FACE + k + 2] - row[FACE + k + 1])
-            else:
-                slope = _slope(before, old, row[HEADER + first_cell + CELLS], gap, length, 1.0)
+            slope = part_slope(row, first_part, first_cell, k, before, gap)
             before, gap = old, length
             for node in (-_PAIR, _PAIR):
                 delta = (middle + node * length) * dq
@@ -123,7 +110,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, w
     old, new = cut_at(start, bins), cut_at(start + D, bins)
     enter_zone(row, math.floor(new), math.floor(old), bins, scratch)
     zone = int(row[ZONE])
-    divide(row, new - zone)
+    divide(row, new - zone, bins)
     first, last = min(int(row[FIRST]), zone), max(int(row[LAST]), zone + bins + CELLS)
     cells = row[HEADER:]
     centre = start + 0.5 * dq

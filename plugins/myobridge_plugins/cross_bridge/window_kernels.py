@@ -93,7 +93,25 @@ def enter_zone(row, cell, other, bins, scratch):
 
 
 @nb.njit(**FAST)
-def divide(row, y):
+def part_slope(row, first_part, first_cell, k, before, width_before):
+    """Slope of a linear profile within part `k` that stays between the means of its neighbours.
+
+    `before` and `width_before` are those of the part to the left.
+    """
+    width = row[FACE + k + 1] - row[FACE + k]
+    if k + 1 < row[COUNT]:
+        after, width_after = row[first_part + k + 1], row[FACE + k + 2] - row[FACE + k + 1]
+    else:
+        after, width_after = row[HEADER + first_cell + CELLS], 1.0
+    rise, fall = row[first_part + k] - before, after - row[first_part + k]
+    if rise * fall <= 0.0:
+        return 0.0
+    mean = abs(after - before) / (width + 0.5 * (width_before + width_after))
+    return math.copysign(min(mean, 2.0 * min(abs(rise), abs(fall)) / width), rise)
+
+
+@nb.njit(**FAST)
+def divide(row, y, bins):
     """Add a face at `y` cells from the zone's beginning; `thin_out` left room for it."""
     n = int(row[COUNT])
     k = 0
@@ -101,9 +119,21 @@ def divide(row, y):
         k += 1
     if y - row[FACE + k] < NEAR or row[FACE + k + 1] - y < NEAR:
         return
+    width_before = row[FACE + k] - row[FACE + k - 1] if k > 0 else 1.0
+    place, left, right = int(row[ZONE]), y - row[FACE + k], row[FACE + k + 1] - y
+    slopes = (
+        part_slope(row, PART0, place, k, row[PART0 + k - 1] if k > 0 else row[HEADER + place - 1], width_before),
+        part_slope(
+            row, PART1, place + bins, k, row[PART1 + k - 1] if k > 0 else row[HEADER + place + bins - 1], width_before
+        ),
+    )
     for j in range(n, k, -1):
         row[FACE + j + 1] = row[FACE + j]
         row[PART0 + j], row[PART1 + j] = row[PART0 + j - 1], row[PART1 + j - 1]
+    for part, slope in ((PART0 + k, slopes[0]), (PART1 + k, slopes[1])):
+        mean = row[part]
+        row[part] = min(max(mean - 0.5 * slope * right, 0.0), 1.0)
+        row[part + 1] = min(max(mean + 0.5 * slope * left, 0.0), 1.0)
     row[FACE + k + 1] = y
     row[COUNT] = n + 1
 
@@ -223,6 +253,6 @@ def slide_sites(state, out, copy, displacement, low, bins):
         cell = math.floor(y)
         # Parts that the new cut does not need are kept: it may come back.
         enter_zone(row, cell, int(row[ZONE]) + CELLS // 2, bins, scratch)
-        divide(row, y - row[ZONE])
+        divide(row, y - row[ZONE], bins)
         thin_out(row, y - row[ZONE])
         row[FIRST], row[LAST] = min(int(row[FIRST]), cell), max(int(row[LAST]), cell + bins + 1)
