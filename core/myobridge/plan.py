@@ -76,9 +76,10 @@ class Plan:
         return simulation
 
     def effects(self) -> list[tuple[str, str, str]]:
-        """(effect, "on" | "off" | "inherent", what supplies it or why it is off), for every known effect."""
+        """(effect, "on" | "off" | "inherent", what supplies it or why it is off); plugins may add to the known ones."""
         rows: list[tuple[str, str, str]] = []
-        for effect, doc in EFFECTS.items():
+        supplied = sorted({effect for section, part in self.parts.items() for effect in _supplied(section, part)})
+        for effect in dict.fromkeys((*EFFECTS, *supplied)):
             by = [
                 f"{section} '{self.names[section]}'"
                 for section, part in self.parts.items()
@@ -89,7 +90,7 @@ class Plan:
             elif any(effect in getattr(part, "inherent_effects", ()) for part in self.parts.values()):
                 rows.append((effect, "inherent", f"always there in {', '.join(by)}"))
             else:
-                rows.append((effect, "off", f"not called for: {doc}"))
+                rows.append((effect, "off", f"not called for: {EFFECTS.get(effect, 'supplied by ' + ', '.join(by))}"))
         return rows
 
     def sizes(self) -> dict[str, int]:
