@@ -48,10 +48,9 @@ class StepControl:
         target = (cell + 1) * dt
         on_grid = abs(position - cell) < _SAME
         index = bisect_right(stops, time + _SAME * dt)
-        if index < len(stops) and stops[index] < target - _SAME * dt:
-            return stops[index], stops[index] - time
-        if end < target - _SAME * dt:
-            return end, end - time
+        first = min(stops[index], end) if index < len(stops) else end
+        if first < target - _SAME * dt:
+            return first, first - time
         # The step itself, not the difference of two rounded times: all full steps are equal to the last bit.
         return target, dt if on_grid else target - time
 

@@ -210,7 +210,7 @@ MISTAKES = {
         PATH, 'path = { plugin = "table", file = "bad.csv" }', 11, "solid.path.file", ("line 2", "'much'")
     ),
     "density of wrong length": Mistake(
-        '"activation"', '"activation", "sarcomere_density"', 18, "sarcomere_density.values", ("2 entries for 3 sites",)
+        '"activation"', '"activation", "sarcomere_density"', 21, "sarcomere_density.values", ("2 entries for 3 sites",)
     ),
     "set: no equals sign": Mistake("", "", None, "--set duration", ("expected KEY=VALUE",), ("duration",)),
     "set: no section": Mistake("", "", None, "--set step", ("expected SECTION.KEY=VALUE",), ("step=1",)),
