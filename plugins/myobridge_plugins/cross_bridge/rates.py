@@ -78,12 +78,13 @@ class Rates:
             return np.where(inside, F, 0.0)
         b = 0.5 * c / abs(speed)
         edge = -F * math.expm1(-b)
+        square = np.clip(q, 0.0, 1.0) ** 2
         if speed < 0.0:
-            mid = -F * np.expm1(-b * (1.0 - q * q))
+            mid = -F * np.expm1(-b * (1.0 - square))
             return np.where(inside, mid, np.where(q <= 0.0, edge * np.exp(self.g2 * np.minimum(q, 0.0) / -speed), 0.0))
         x = np.maximum(q, 1.0)
         decay = 0.5 * (self.g1 + self.g3) * (x * x - 1.0) - self.g3 * (x - 1.0)
-        return np.where(inside, -F * np.expm1(-b * q * q), np.where(q >= 1.0, edge * np.exp(-decay / speed), 0.0))
+        return np.where(inside, -F * np.expm1(-b * square), np.where(q >= 1.0, edge * np.exp(-decay / speed), 0.0))
 
     def steady_moments(self, speed: float, activation: float = 1.0) -> Array:
         """Moments of `steady_state` in closed form, shape (3,); Q1 / Q1(isometric) is Huxley's force-velocity curve."""
