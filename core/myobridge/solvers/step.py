@@ -47,6 +47,7 @@ def implicit_stage(
         return StepResult(motion, memory, StepReport())
     mass = effective_mass(solid, law and law.inertance) if inertia else None
     stage_time = time + stage * dt
+    held = None if mass is None else times(mass, velocity) / (stage * dt)
 
     def at(end: Array) -> Motion:
         change = end - start
@@ -63,7 +64,7 @@ def implicit_stage(
         magnitude = balance.magnitude
         if mass is not None:
             momentum = times(mass, here.velocity) / (stage * dt)
-            force = force + (momentum - times(mass, velocity) / (stage * dt))
+            force = force + (momentum - held)
             tangent = add_scaled(tangent, 1.0 / (stage * dt * dt), mass)
             magnitude += math.sqrt(float(momentum @ momentum))
         return force, tangent, magnitude

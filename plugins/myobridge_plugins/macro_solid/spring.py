@@ -13,6 +13,9 @@ from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import ActiveLaw, Array, Balance, MacroSolid, Motion, Signal
 from myobridge.parameters import number, part
 
+_NO_FORCE = np.zeros(1)
+_NO_FORCE.flags.writeable = False
+
 
 @final
 @attrs.frozen(eq=False)
@@ -83,7 +86,7 @@ class Spring(MacroSolid):
         force = passive - external
         stiffness, damping = self.stiffness, None
         if law is not None:
-            speed = motion.velocity if rate else np.zeros(1)
+            speed = motion.velocity if rate else _NO_FORCE
             answer = law.evaluate(1.0 + motion.displacement / self.length, speed / self.length)
             active = self.area * answer.tension
             force = force + active
@@ -96,7 +99,7 @@ class Spring(MacroSolid):
 
     def external_force(self, displacement: Array, time: float) -> Array:
         if self.load is None:
-            return np.zeros(1)
+            return _NO_FORCE
         return np.array(self.load.value(time), dtype=float).reshape(1)
 
     def admissible(self, displacement: Array) -> bool:
