@@ -206,3 +206,36 @@ def test_a_composed_run_has_no_scene_to_resume(scenes, tmp_path: Path) -> None:
     assert mb.Result.load(tmp_path / "composed.h5")["time"][-1] == pytest.approx(0.01, abs=1e-15)
     with pytest.raises(mb.SceneError, match="holds no scene"):
         mb.resume(tmp_path / "composed.h5")
+
+
+@pytest.mark.parametrize("cut", [0.0061, 0.0068, 0.0085, 0.0105])
+def test_a_run_resumes_amid_halved_steps(cut: float, scenes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cls = mb.registry().find("time_integrator", "quasi_static").cls
+    real = cls.step
+
+    def fussy(self, solid, law, motion, memory, time, dt):
+        if 5.5e-3 < time < 7.5e-3 and dt > 3e-4:
+            return mb.StepResult(motion, memory, mb.StepReport(converged=False, reason="too large for me"))
+        return real(self, solid, law, motion, memory, time, dt)
+
+    monkeypatch.setattr(cls, "step", fussy)
+    scene = sample(scenes["chain"], 20)
+    whole = mb.run(scene)
+    assert np.diff(whole["time"]).min() == pytest.approx(2.5e-4)
+    assert np.diff(whole["time"])[-1] == pytest.approx(1e-3)
+    assert_identical(in_two_parts(scene, cut, tmp_path / "part.h5"), whole)
+
+
+def test_what_an_integrator_remembers_is_resumed(scenes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cls = mb.registry().find("time_integrator", "midpoint").cls
+    real = cls.step
+
+    def counting(self, solid, law, motion, memory, time, dt):
+        result = real(self, solid, law, motion, memory, time, dt)
+        return result._replace(memory={"count": memory.get("count", np.zeros(1)) + 1.0})
+
+    monkeypatch.setattr(cls, "step", counting)
+    scene = sample(scenes["spring"], 20)
+    whole = mb.run(scene)
+    assert whole.checkpoint.arrays["memory/count"] == 20.0
+    assert_identical(in_two_parts(scene, 0.01, tmp_path / "part.h5"), whole)
