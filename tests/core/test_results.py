@@ -239,3 +239,12 @@ def test_what_an_integrator_remembers_is_resumed(scenes, tmp_path: Path, monkeyp
     whole = mb.run(scene)
     assert whole.checkpoint.arrays["memory/count"] == 20.0
     assert_identical(in_two_parts(scene, 0.01, tmp_path / "part.h5"), whole)
+
+
+def test_the_last_tension_and_activation_are_resumed(scenes, tmp_path: Path) -> None:
+    """A clamp books the work of a tension without energy from the last one; `staggered` begins with both."""
+    text = scenes["clamp"].replace('["cross_bridges"]', '["cross_bridges", "force_velocity"]')
+    hill = sample(text, 40, cross_bridges__plugin="hill")
+    assert_identical(in_two_parts(hill, 0.01, tmp_path / "hill.h5"), mb.run(hill))
+    staggered = sample(scenes["chain"], 40, coupling__plugin="staggered", cross_bridges__plugin="hill")
+    assert_identical(in_two_parts(staggered, 0.005, tmp_path / "staggered.h5"), mb.run(staggered))
