@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numba as nb
 import numpy as np
 
@@ -42,6 +44,8 @@ def step_low(cells, q, dq, factor):
 def step_mid(cells, q, D, dq, c, F, dt):
     """Cells within (0, 1), none above the attachable fraction. Moment sums before and after."""
     b0 = b1 = b2 = a0 = a1 = a2 = 0.0
+    # The rate is linear in the place, so the factors are a geometric row; a vector of exponentials is slower here.
+    factor, ratio = math.exp(-c * (q + 0.5 * D) * dt), math.exp(-c * dq * dt)
     for i in range(cells.size):
         m = q + i * dq
         x = cells[i]
@@ -49,7 +53,8 @@ def step_mid(cells, q, D, dq, c, F, dt):
         b0 += x
         b1 += y
         b2 += y * m
-        x = F + (x - F) * decay(-c * (m + 0.5 * D) * dt)
+        x = F + (x - F) * factor
+        factor *= ratio
         x = x if x > TINY else 0.0
         cells[i] = x
         m += D
