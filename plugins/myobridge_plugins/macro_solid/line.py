@@ -56,7 +56,7 @@ class Line(MacroSolid):
     gravity : float or three floats, optional
         Acceleration [m/s^2], effect ``gravity``.
     stretch_at_start : float
-        Uniform stretch at t = 0.
+        Uniform stretch at t = 0; an end that is fixed stays where it puts it.
     displacement, velocity : sequence of float, optional
         Of the free nodes at t = 0, node by node; instead of the uniform stretch, of rest.
     """
@@ -74,7 +74,7 @@ class Line(MacroSolid):
     gravity: float | tuple[float, ...] | None = numbers(
         None, unit="m/s^2", doc="acceleration along each axis", effect="gravity", on=-9.81
     )
-    stretch_at_start: float = number(1.0, within="(0, inf)", doc="uniform stretch at the start")
+    stretch_at_start: float = number(1.0, within="(0, inf)", doc="uniform stretch at the start; fixed ends stay there")
     displacement: tuple[float, ...] | None = numbers(None, unit="m", doc="free displacements at the start")
     velocity: tuple[float, ...] | None = numbers(None, unit="m/s", doc="free velocities at the start")
 
@@ -129,6 +129,13 @@ class Line(MacroSolid):
         return positions
 
     @cached_property
+    def _held(self) -> Array:
+        """Positions without the free displacements: a fixed end is held where the uniform stretch puts it."""
+        held = self.stretch_at_start * self._reference
+        held.ravel()[self.free] = self._reference.ravel()[self.free]
+        return held
+
+    @cached_property
     def _derivative(self) -> Any:
         """Derivative of the free components at the sites, (n_sites * n_axes, n_unknowns)."""
         full = sparse.kron(self.mesh.derivative, np.eye(self.n_axes), format="csc")[:, self.free]
@@ -160,7 +167,7 @@ class Line(MacroSolid):
 
     def positions(self, displacement: Array) -> Array:
         """Current node positions [m], shape (n_nodes, n_axes)."""
-        positions = self._reference.copy()
+        positions = self._held.copy()
         positions.ravel()[self.free] += displacement
         return positions
 
@@ -266,7 +273,7 @@ class Line(MacroSolid):
         stress = self.modulus * (stretch - 1.0)
         if law is not None:
             stress = stress + law.evaluate(stretch, np.zeros_like(stretch)).tension
-        slack = np.flatnonzero(stress <= 0.0)
+        slack = np.flatnonzero(stress <= 1e-9 * self.modulus)  # round-off of the positions holds nothing
         if slack.size == 0:
             return ""
         return (
