@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from myobridge_plugins.cross_bridge.huxley import Huxley
-from myobridge_plugins.cross_bridge.window_kernels import COUNT, PART0, PART1, PARTS
+from myobridge_plugins.cross_bridge.window_kernels import COUNT, FACE, NEAR, PART0, PART1, PARTS, START, ZONE
 
 ON = np.ones(1)
 step = st.tuples(
@@ -25,6 +25,8 @@ def _range(model: Huxley, state: np.ndarray) -> tuple[float, float]:
     if model.discretisation == "exact":
         assert 0 < np.max(state[:, COUNT]) <= PARTS
         count = int(state[0, COUNT])
+        cut = -state[0, START] * model.bins - state[0, ZONE]
+        assert np.min(np.abs(state[0, FACE : FACE + count + 1] - cut)) <= 3.0 * NEAR, "the cut is no face of its zone"
         rho = np.concatenate([rho, state[0, PART0 : PART0 + count], state[0, PART1 : PART1 + count]])
     return float(rho.min()), float(rho.max())
 
