@@ -295,10 +295,3 @@ def test_files_are_looked_for_beside_the_scene(cli, tmp_path: Path) -> None:
     (folder.parent / "scene.toml").write_text(SCENE.replace(PATH, table))
     assert cli("run", folder.parent / "scene.toml", "-q", "-o", "result.h5").code == 0
     assert mb.Result.load(tmp_path / "result.h5")["stretch"][-1] == pytest.approx(0.98, abs=1e-15)
-
-
-def test_another_model_by_one_setting_is_legal_for_every_model(cli, write) -> None:
-    path = write(SCENE.replace(', "length_dependence"', ""))
-    for model in mb.registry().names("cross_bridge"):
-        outcome = cli("explain", path, "--set", f"cross_bridges.plugin={model}")
-        assert outcome.code == 0, f"{model}: {outcome.err}"
