@@ -198,7 +198,7 @@ def text(default: Any = _REQUIRED, *, doc: str, kind: str = "text") -> Any:
 
 
 def part(family: str, default: Any = _REQUIRED, *, doc: str, effect: str = "", on: Any = None) -> Any:
-    """Another plugin, of `family`; in a scene a table such as ``{ plugin = "ramp", rate = 0.1 }``.
+    """Another plugin, of `family`; in a scene a table such as ``{ plugin = "ramp", slope = 0.1 }``.
 
     `on` names the plugin that is built when the scene calls for `effect` and gives no table.
     """

@@ -41,7 +41,7 @@ def implicit_stage(
     inertia: bool,
     tolerance: float,
 ) -> StepResult:
-    """One step of the family above; without `inertia` the first term is absent and no mass is asked for."""
+    """One step of a one-step method whose stage is at `stage`; without `inertia` no mass is asked for."""
     start, velocity = motion.displacement, motion.velocity
     if start.size == 0:
         return StepResult(motion, memory, StepReport())
