@@ -27,7 +27,7 @@ class Signal(ABC):
         """Mean over ``start <= t <= end``, exact; the value where both agree."""
 
     def rate(self, time: float) -> Array:
-        """Derivative after `time` [1/s]; by default a one-sided difference."""
+        """Derivative after `time`, the signal's unit per second; by default a one-sided difference."""
         step = 1e-7
         return (self.value(time + step) - self.value(time)) / step
 
