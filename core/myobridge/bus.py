@@ -246,6 +246,7 @@ class CouplingBus:
         self.tension = np.array(state.tension)
         self.stretch_rate = np.array(state.stretch_rate)
         self._spare = np.empty_like(self._population)
+        self.inertance = self.active_law_at_rest().inertance
         self.discard()
 
     # ------------------------------------------------------------------ inside

@@ -87,7 +87,10 @@ class Plan:
             ]
             if effect in self.scene.effects:
                 rows.append((effect, "on", ", ".join(by)))
-            elif any(effect in getattr(part, "inherent_effects", ()) for part in self.parts.values()):
+            # An effect with a table of its own does not act without it, whatever the model could do.
+            elif effect not in SECTIONS and any(
+                effect in getattr(part, "inherent_effects", ()) for part in self.parts.values()
+            ):
                 rows.append((effect, "inherent", f"always there in {', '.join(by)}"))
             else:
                 rows.append((effect, "off", f"not called for: {EFFECTS.get(effect, 'supplied by ' + ', '.join(by))}"))

@@ -75,7 +75,10 @@ class Simulation:
             raise SceneError(f"step: is {dt!r}; expected a number in (0, inf) [s]")
         self.solid = solid
         self.integrator = integrator
-        self.coupling = coupling or (Splitting() if integrator.inertia else Corrected())
+        # A passive solid has nothing to couple: no scheme exists then.
+        self.coupling = coupling
+        if coupling is None and cross_bridges is not None:
+            self.coupling = Splitting() if integrator.inertia else Corrected()
         self.time = 0.0
         self.steps = 0
         self.control = StepControl(dt)
@@ -146,7 +149,7 @@ class Simulation:
         """One step of `dt`; a step that fails leaves everything as it was."""
         started = perf_counter()
         bus = self.bus
-        if bus is None:
+        if bus is None or self.coupling is None:
             result = self.integrator.step(self.solid, None, self.motion, self.memory, self.time, dt)
         else:
             spent = bus.seconds
@@ -231,7 +234,7 @@ class Simulation:
                 f"integrator: {type(self.integrator).__name__} integrates inertia, and {type(self.solid).__name__} has "
                 "no mass; use quasi_static"
             )
-        if self.coupling.implicit_only and self.integrator.explicit:
+        if self.coupling is not None and self.coupling.implicit_only and self.integrator.explicit:
             raise SceneError(
                 f"coupling: {type(self.coupling).__name__} needs an implicit integrator, and "
                 f"{type(self.integrator).__name__} is explicit"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Mapping
 from typing import Any
 
+from rich.console import Group
 from rich.markup import escape
 from rich.table import Table
 
@@ -129,15 +131,20 @@ def shares_table(run: Run, wall: float, steps: int) -> Table:
     return table
 
 
-def plugins_table(registry: Registry) -> Table:
-    """What is installed."""
-    table = Table(title="plugins", title_justify="left")
-    for column in ("name", "family", "package", "version", "effects", "description"):
-        table.add_column(column, overflow="fold")
-    for item in registry:
-        effects = ", ".join(sorted(item.inherent_effects | item.optional_effects))
-        table.add_row(item.name, item.family, item.package, item.version, effects or "-", escape(item.summary))
-    return table
+def plugins_table(registry: Registry) -> Group:
+    """What is installed, one table a family; names and versions are for copying, so they are never cut."""
+    tables: list[Table] = []
+    for family, rows in itertools.groupby(registry, key=lambda item: item.family):
+        table = Table(title=family, title_justify="left", box=None, show_header=not tables, padding=(0, 1))
+        table.add_column("name", no_wrap=True, min_width=22, style="bold")
+        table.add_column("package", no_wrap=True, min_width=16)
+        table.add_column("description, effects")
+        for item in rows:
+            effects = ", ".join(sorted(item.inherent_effects | item.optional_effects))
+            said = escape(item.summary) + (f"\n[dim]effects: {effects}[/]" if effects else "")
+            table.add_row(item.name, f"{item.package} {item.version}", said)
+        tables.append(table)
+    return Group(*tables)
 
 
 def plugins_json(registry: Registry) -> str:

@@ -225,8 +225,8 @@ def test_the_plan_says_of_every_effect_whether_and_why(scenes) -> None:
     assert list(rows) == list(EFFECTS)
     assert rows["inertia"] == ("on", "integrator 'midpoint'")
     assert rows["cross_bridges"] == ("on", "cross_bridges 'hill'")
-    assert rows["activation"] == ("inherent", "always there in cross_bridges 'hill'")
-    for effect in ("gravity", "force_velocity", "calcium", "length_dependence", "incompressibility"):
+    # The model could take an activation, but there is none: it is fully active.
+    for effect in ("activation", "gravity", "force_velocity", "calcium", "length_dependence", "incompressibility"):
         assert rows[effect] == ("off", f"not called for: {EFFECTS[effect]}")
 
 

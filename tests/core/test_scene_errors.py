@@ -146,12 +146,8 @@ MISTAKES = {
         "final = 0.99, ", "final = 0.99, slope = 1.0, ", 11, "solid.path.final", ("both are given",)
     ),
     "list of wrong length": Mistake("final = 0.99", "final = [0.99, 0.98]", 11, "solid.path", ("2 values", "3 sites")),
-    "a plugin that breaks when it is built": Mistake(
-        "initial = 1.0, final = 0.99",
-        "initial = [1, 1], final = [1, 1, 1]",
-        9,
-        "solid.plugin",
-        ("'clamp' of package 'myobridge' cannot be built", "ValueError"),
+    "lists of different lengths": Mistake(
+        "initial = 1.0, final = 0.99", "initial = [1, 1], final = [1, 1, 1]", 11, "solid.path.final", ("3 values", "2")
     ),
     "activation of wrong length": Mistake(
         "level = 0.5", "level = [0.5, 0.5]", 16, "activation", ("2 values", "expected 1 or 3")
@@ -295,3 +291,18 @@ def test_files_are_looked_for_beside_the_scene(cli, tmp_path: Path) -> None:
     (folder.parent / "scene.toml").write_text(SCENE.replace(PATH, table))
     assert cli("run", folder.parent / "scene.toml", "-q", "-o", "result.h5").code == 0
     assert mb.Result.load(tmp_path / "result.h5")["stretch"][-1] == pytest.approx(0.98, abs=1e-15)
+
+
+def test_a_plugin_that_breaks_when_it_is_built_is_named(cli, write, monkeypatch) -> None:
+    """Whatever a stranger's constructor raises: the plugin and its package, and no traceback."""
+    from myobridge_plugins.macro_solid.clamp import Clamp
+
+    def breaks(_self: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(Clamp, "__attrs_post_init__", breaks)
+    code, _, said = cli("explain", write(SCENE))
+    assert code == 2
+    assert "'clamp' of package 'myobridge' cannot be built" in said
+    assert "ZeroDivisionError" in said
+    assert "Traceback" not in said

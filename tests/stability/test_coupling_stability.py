@@ -90,3 +90,19 @@ def test_staggering_fails_with_huxley_too_and_worse_at_a_smaller_step(fine, dt):
         return  # thrown beyond zero length: failed, as predicted
     error = np.abs(moved - np.interp(times, *fine[20.0])).max() / np.abs(fine[20.0][1]).max()
     assert error > 10.0
+
+
+@pytest.mark.parametrize("coupling", [Splitting(), Corrected()], ids=["splitting", "corrected"])
+def test_recorded_tension_balances_the_solid(coupling):
+    """The tension that is kept is that of the mechanics stage: passive force and active force carry the load."""
+    model = Huxley()
+    spring = soft_spring(model, 20.0)
+    simulation = mb.Simulation(solid=spring, cross_bridges=model, integrator=QuasiStatic(), coupling=coupling, dt=5e-3)
+    for _ in range(10):
+        simulation.step()
+        load = spring.external_force(simulation.motion.displacement, simulation.time)[0]
+        carried = spring.stiffness * simulation.motion.displacement[0] + AREA * simulation.bus.tension[0]
+        assert carried == pytest.approx(load, rel=1e-11)
+    # It is not the tension of the population at the end of the step, which has reacted on or was redone meanwhile.
+    after = simulation.bus.active_law_at_rest().evaluate(simulation.bus.stretch, np.zeros(1)).tension
+    assert abs(after[0] - simulation.bus.tension[0]) > 1e-9 * model.p_max

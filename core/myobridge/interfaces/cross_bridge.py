@@ -85,9 +85,10 @@ class Promises:
     exact_slide : bool
         `slide` changes the energy by exactly the work of the active law.
     order : int
-        Order of `advance` in the step on a smooth path; 0 for a model without time.
+        Order of `advance` in the step on a smooth path; 0 where none is promised (a model without time, a scheme
+        whose error is that of its grid).
     largest_step : float
-        Largest step [s] for which the promises hold; larger ones are taken, and break them.
+        Largest step [s] of `react` and of `advance` for which the promises hold; larger ones are taken, and break them.
     """
 
     bounds: bool = True

@@ -28,6 +28,7 @@ class SarcomereDensity(ABC):
     """Local density of sarcomeres relative to a fully packed muscle."""
 
     summary: ClassVar[str] = ""
+    inherent_effects: ClassVar[frozenset[str]] = frozenset({"sarcomere_density"})
 
     @abstractmethod
     def at(self, positions: Array) -> Array:

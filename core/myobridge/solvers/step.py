@@ -47,7 +47,7 @@ def implicit_stage(
         return StepResult(motion, memory, StepReport())
     mass = effective_mass(solid, law and law.inertance) if inertia else None
     stage_time = time + stage * dt
-    held = None if mass is None else times(mass, velocity) / (stage * dt)
+    held = 0.0 if mass is None else times(mass, velocity) / (stage * dt)
 
     def at(end: Array) -> Motion:
         change = end - start

@@ -67,7 +67,7 @@ class Huxley(CrossBridgeModel):
     }
 
     # Heidlauf and Roehrle, Front. Physiol. 5 (2014) 498, Table 2.
-    p_max: float = number(73e3, unit="Pa", within="[0, inf)", doc="isometric nominal tension at full activation")
+    p_max: float = number(73e3, unit="Pa", within="(0, inf)", doc="isometric nominal tension at full activation")
     f1: float = number(43.3, unit="1/s", within="(0, inf)", doc="rate of attachment at q = h")
     g1: float = number(10.0, unit="1/s", within="[0, inf)", doc="rate of detachment at q = h")
     g2: float = number(209.0, unit="1/s", within="[0, inf)", doc="rate of detachment of compressed heads, q < 0")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any, ClassVar, final
@@ -50,7 +51,7 @@ class Function(Signal):
         corners = [start, *(kink for kink in sorted(self.kinks) if start < kink < end), end]
         nodes, weights = self._rule
         total = np.zeros_like(self.value(start))
-        for left, right in zip(corners[:-1], corners[1:], strict=True):
+        for left, right in itertools.pairwise(corners):
             values = np.array([self.value(left + (right - left) * node) for node in nodes])
             total = total + (right - left) * np.tensordot(weights, values, axes=1)
         return total / (end - start)

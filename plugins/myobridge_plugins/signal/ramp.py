@@ -59,6 +59,10 @@ class Ramp(Signal):
             raise ParameterError("end", "is missing; a ramp to a final value needs the time [s] at which it ends")
         if self.end is not None and self.end <= self.start:
             raise ParameterError("end", f"is {self.end!r}; expected a number in ({self.start}, inf) [s], after start")
+        target = "final" if self.slope is None else "slope"
+        sizes = np.size(self.initial), np.size(getattr(self, target))
+        if min(sizes) > 1 and sizes[0] != sizes[1]:
+            raise ParameterError(target, f"has {sizes[1]} values and initial has {sizes[0]}; expected as many, or one")
 
     @cached_property
     def _initial(self) -> Array:
