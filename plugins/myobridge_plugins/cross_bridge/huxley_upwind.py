@@ -24,8 +24,8 @@ class Upwind(Discretisation):
 
     State: attached fraction at the centres of the cells, shape (n_sites, n_cells).
     Promises: in [0, 1] for steps up to 2 / max(f+g), 9.569 ms for the default rates, because a reaction takes two half
-    steps; a slide takes as many equal steps as Courant's condition asks for; heads that reach an end of the window leave it. Its
-    diffusion *adds* the energy :math:`\tfrac12 Q_0 (|v| \Delta q - v^2 \Delta t)` a time: no exact slide.
+    steps; a slide takes as many equal steps as Courant's condition asks for, and heads that reach an end of the window
+    leave it. Its diffusion *adds* the energy :math:`\tfrac12 Q_0 (|v| \Delta q - v^2 \Delta t)` a time: no exact slide.
     Departures: the thesis has v and |v| interchanged, and loses heads through the ends of a window that is too small.
     """
 
