@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.sources
+
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "core" / "myobridge"
 PLUGINS = ROOT / "plugins" / "myobridge_plugins"

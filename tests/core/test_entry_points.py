@@ -7,6 +7,8 @@ import tomllib
 from importlib import metadata
 from pathlib import Path
 
+import pytest
+
 from myobridge.hookspecs import FAMILIES
 
 ROOT = Path(__file__).parents[2]
@@ -21,6 +23,7 @@ def test_installed_metadata_are_those_of_the_project() -> None:
     assert installed == DECLARED, "entry points changed: install the project again (pip install -e .)"
 
 
+@pytest.mark.sources
 def test_every_file_with_a_hook_has_a_line() -> None:
     hooks = {family.hook for family in FAMILIES.values()}
     with_hook: set[str] = set()

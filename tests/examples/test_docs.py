@@ -81,6 +81,7 @@ def test_every_link_leads_somewhere(page) -> None:
             assert ((DOCS / page).parent / target).exists(), f"docs/{page}: {target}"
 
 
+@pytest.mark.sources
 @pytest.mark.parametrize("page", PAGES)
 def test_every_file_that_is_named_exists(page) -> None:
     written = re.sub(r"```.*?```", "", (DOCS / page).read_text(encoding="utf-8"), flags=re.DOTALL)
