@@ -18,6 +18,7 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces import ActivationKinetics, ActiveLaw, Array, CrossBridgeModel, Fluxes, Signal
+from myobridge.stimulation import Stimulation
 
 __all__ = ["BusState", "CouplingBus", "FluxTotals"]
 
@@ -78,13 +79,11 @@ class CouplingBus:
         self.scale = np.full(n_sites, model.p_max) if density is None else model.p_max * density
         self._volumes = site_volumes
         self._energy_scale = site_volumes * self.scale
-        self._signal = activation
-        self._kinetics = kinetics
+        self._stimulation = Stimulation(n_sites, activation, kinetics)
         self._population = model.initial_state(n_sites)
         self._stretch = np.array(stretch, dtype=float)
-        empty = np.empty(0)
-        self._activation_state = empty if kinetics is None else kinetics.initial_state(n_sites)
-        self._r = self._initial_activation()
+        self._activation_state = self._stimulation.initial_state()
+        self._r = self._stimulation.initial()
         self._spare = np.empty_like(self._population)
         self.stretch_rate = np.zeros(n_sites)
         self.inertance = self.active_law_at_rest().inertance
@@ -106,7 +105,6 @@ class CouplingBus:
         self._trial = self._population
         self._trial_stretch = self._stretch
         self._trial_activation = self._activation_state
-        self._trial_r = self._r
         self.totals = FluxTotals()
 
     def react(self, dt: float) -> None:
@@ -117,9 +115,12 @@ class CouplingBus:
         self._book(fluxes)
         self.seconds += perf_counter() - started
 
-    def active_law(self) -> ActiveLaw:
-        """Law of the frozen trial population [Pa]."""
-        law = self.model.active_law(self._trial, self._trial_r, self._trial_stretch)
+    def active_law(self, elapsed: float) -> ActiveLaw:
+        """Law of the frozen trial population [Pa], with the activation `elapsed` seconds after the step's beginning.
+
+        A population carries its activation in its state; a model without state needs that of the time asked for.
+        """
+        law = self.model.active_law(self._trial, self._activation_after(elapsed), self._trial_stretch)
         return law.scaled(self.scale)
 
     def slide(self, stretch: Array, law: ActiveLaw | None = None) -> None:
@@ -133,7 +134,7 @@ class CouplingBus:
         if model.has_energy:
             before = self._trial_energy()
             if law is None:
-                law = self.active_law()
+                law = self.active_law(self._clock - self._time)
             potential = law.potential(stretch)
             self._trial = model.slide(self._trial, displacement, self._spare)
             if potential is not None:
@@ -157,9 +158,9 @@ class CouplingBus:
     def law_after(self, stretch: Array, dt: float) -> ActiveLaw:
         """Law [Pa] of the population that `advance` to `stretch` would give, leaving the trial as it is."""
         started = perf_counter()
-        r = self._mean_activation(dt, keep=True)
+        r, _ = self._stimulation.mean(self._trial_activation, self._clock, self._clock + dt)
         state, _ = self.model.advance(self._trial, r, self._trial_stretch, stretch, dt)
-        law = self.model.active_law(state, r, stretch).scaled(self.scale)
+        law = self.model.active_law(state, self._activation_after(dt), stretch).scaled(self.scale)
         self.seconds += perf_counter() - started
         return law
 
@@ -178,7 +179,7 @@ class CouplingBus:
         self._population = self._trial
         self._stretch = self._trial_stretch
         self._activation_state = self._trial_activation
-        self._r = self._trial_r
+        self._r = self._stimulation.reached(self._activation_state, self._time + self._dt, self._dt)
 
     def discard(self) -> None:
         """Forget the trial."""
@@ -187,7 +188,6 @@ class CouplingBus:
         self._trial = self._population
         self._trial_stretch = self._stretch
         self._trial_activation = self._activation_state
-        self._trial_r = self._r
         self.totals = FluxTotals()
 
     # ------------------------------------------------------------------ what can be asked
@@ -251,28 +251,16 @@ class CouplingBus:
 
     # ------------------------------------------------------------------ inside
 
-    def _initial_activation(self) -> Array:
-        if self._kinetics is not None:
-            return self._activation_state.copy()
-        if self._signal is None:
-            return np.ones(self.n_sites)
-        return np.array(np.broadcast_to(self._signal.value(0.0), (self.n_sites,)))
-
-    def _mean_activation(self, dt: float, keep: bool = False) -> Array:
-        """Mean activation over the next `dt` seconds of the clock, which moves on unless `keep`."""
-        if self._signal is None and self._kinetics is None:
-            if not keep:
-                self._clock += dt
-            return self._trial_r
+    def _mean_activation(self, dt: float) -> Array:
+        """Mean activation over the next `dt` seconds of the clock, which moves on."""
         end = self._clock + dt
-        mean = 1.0 if self._signal is None else self._signal.mean(self._clock, end)
-        r = np.array(np.broadcast_to(mean, (self.n_sites,)), dtype=float)
-        state = self._trial_activation
-        if self._kinetics is not None:
-            state, r = self._kinetics.advance(state, r, dt)
-        if not keep:
-            self._clock, self._trial_activation, self._trial_r = end, state, r
-        return r
+        mean, self._trial_activation = self._stimulation.mean(self._trial_activation, self._clock, end)
+        self._clock = end
+        return mean
+
+    def _activation_after(self, elapsed: float) -> Array:
+        """Activation `elapsed` seconds after the beginning of the step."""
+        return self._stimulation.at(self._activation_state, self._time, self._time + elapsed)
 
     def _trial_energy(self) -> float:
         return float(np.dot(self._energy_scale, self.model.energy(self._trial)))

@@ -40,6 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("myobridge: interrupted; continue a run with --resume", file=sys.stderr)
         return _INTERRUPTED
+    except MemoryError as error:
+        print(f"myobridge: not enough memory: {error}; use fewer sites, bins or recorded rows", file=sys.stderr)
+        return _BAD_INPUT
     except OSError as error:
         print(f"myobridge: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return _BAD_INPUT

@@ -13,12 +13,12 @@ import numpy as np
 
 from myobridge.bus import CouplingBus
 from myobridge.hookspecs import hookimpl
+from myobridge.instant import just_before
 from myobridge.interfaces import (
     ActiveLaw,
     AffineLaw,
     Array,
     CouplingScheme,
-    LawValue,
     MacroSolid,
     Memory,
     Motion,
@@ -26,20 +26,41 @@ from myobridge.interfaces import (
     StepResult,
     TimeIntegrator,
 )
+from myobridge.step_laws import AdvancedLaw, HeldTension
 
 __all__ = ["Corrected", "Monolithic", "Splitting", "Staggered"]
 
 
-def _stretches(solid: MacroSolid, bus: CouplingBus, motion: Motion, time: float, dt: float) -> tuple[Array, Array]:
-    """Stretch and its rate at the end of the step; a given stretch has the mean rate over the step."""
-    stretch = solid.stretch(motion.displacement, time + dt)
+def _stretches(solid: MacroSolid, motion: Motion, time: float, dt: float) -> tuple[Array, Array]:
+    """Stretch and its rate at the end of the step, before a jump that happens there."""
+    end = just_before(time + dt, dt)
+    return solid.stretch(motion.displacement, end), solid.stretch_rate(motion.displacement, motion.velocity, end)
+
+
+def _record(bus: CouplingBus, solid: MacroSolid, law: ActiveLaw, motion: Motion, time: float, dt: float) -> None:
+    """Keep the tension at the end of the step; heads with mass add the acceleration of their stretch."""
+    stretch, rate = _stretches(solid, motion, time, dt)
+    acceleration = None
+    if law.inertance is not None:
+        if solid.n_unknowns == 0:  # the path tells its own acceleration
+            near = 1e-3 * dt
+            earlier = solid.stretch_rate(motion.displacement, motion.velocity, just_before(time + dt, dt) - near)
+            acceleration = (rate - earlier) / near
+        else:
+            acceleration = (rate - bus.stretch_rate) / dt
+    bus.record(law, stretch, rate, acceleration)
+
+
+def _jump(bus: CouplingBus, solid: MacroSolid, motion: Motion, time: float) -> None:
+    """A given stretch that jumps at the beginning of the step carries the heads at once; none reacts meanwhile."""
     if solid.n_unknowns == 0:
-        return stretch, (stretch - bus.stretch) / dt
-    return stretch, solid.stretch_rate(motion.displacement, motion.velocity, time + dt)
+        stretch = solid.stretch(motion.displacement, time)
+        if np.any(np.abs(stretch - bus.stretch) > _JUMP):
+            bus.slide(stretch)
 
 
-def _record(bus: CouplingBus, law: ActiveLaw, stretch: Array, rate: Array, dt: float) -> None:
-    bus.record(law, stretch, rate, (rate - bus.stretch_rate) / dt if law.inertance is not None else None)
+# Larger than the round-off of a continuous path, smaller than anything that moves a head.
+_JUMP = 1e-9
 
 
 def _clamp_report(bus: CouplingBus, solid: MacroSolid, tension: Array, stretch: Array) -> StepReport:
@@ -53,9 +74,10 @@ def _clamp_report(bus: CouplingBus, solid: MacroSolid, tension: Array, stretch: 
 def _follow(bus: CouplingBus, solid: MacroSolid, motion: Motion, memory: Memory, time: float, dt: float) -> StepResult:
     """Step of a solid without unknowns: the population follows the given stretch, exactly where the model can."""
     tension = bus.tension
-    stretch, rate = _stretches(solid, bus, motion, time, dt)
+    _jump(bus, solid, motion, time)
+    stretch, _ = _stretches(solid, motion, time, dt)
     bus.advance(stretch, dt)
-    _record(bus, bus.active_law(), stretch, rate, dt)
+    _record(bus, solid, bus.active_law(dt), motion, time, dt)
     return StepResult(motion, memory, _clamp_report(bus, solid, tension, stretch))
 
 
@@ -81,14 +103,16 @@ class Splitting(CouplingScheme):
         time: float,
         dt: float,
     ) -> StepResult:
+        before = bus.tension
+        _jump(bus, solid, motion, time)
         bus.react(0.5 * dt)
-        law = bus.active_law()
+        law = bus.active_law(integrator.stage * dt)
         result = integrator.step(solid, law, motion, memory, time, dt)
         if not result.report.converged:
             return result
-        stretch, rate = _stretches(solid, bus, result.motion, time, dt)
-        before = bus.tension
-        _record(bus, law, stretch, rate, dt)
+        stretch, _ = _stretches(solid, result.motion, time, dt)
+        # A model without state has the tension of the end; the tension of a population is that of the mechanics stage.
+        _record(bus, solid, law if bus.model.has_energy else bus.active_law(dt), result.motion, time, dt)
         bus.slide(stretch, law)
         bus.react(0.5 * dt)
         if solid.n_unknowns == 0:
@@ -130,10 +154,10 @@ class Corrected(CouplingScheme):
             return _follow(bus, solid, motion, memory, time, dt)
         stage = integrator.stage
         if stage == 0.0:
-            law = bus.active_law()
+            law = bus.active_law(0.0)
         else:
             bus.react(stage * dt)
-            held = bus.active_law()
+            held = bus.active_law(stage * dt)
             predicted = integrator.step(solid, held, motion, memory, time, dt)
             if not predicted.report.converged:
                 return predicted
@@ -141,10 +165,10 @@ class Corrected(CouplingScheme):
         result = integrator.step(solid, law, motion, memory, time, dt)
         if not result.report.converged:
             return result
-        stretch, rate = _stretches(solid, bus, result.motion, time, dt)
+        stretch, _ = _stretches(solid, result.motion, time, dt)
         bus.restart()
         bus.advance(stretch, dt)
-        _record(bus, law if stage == 1.0 else bus.active_law(), stretch, rate, dt)
+        _record(bus, solid, law if stage == 1.0 else bus.active_law(dt), result.motion, time, dt)
         return result
 
     def _along_path(
@@ -159,10 +183,10 @@ class Corrected(CouplingScheme):
     ) -> ActiveLaw:
         """Law through the tension with filaments held and the tension along the predicted path."""
         start = bus.stretch
-        target = start + stage * (solid.stretch(predicted.displacement, time + dt) - start)
+        target = start + stage * (_stretches(solid, predicted, time, dt)[0] - start)
         bus.restart()
         bus.advance(target, stage * dt)
-        law = bus.active_law()
+        law = bus.active_law(stage * dt)
         if not law.has_potential:
             return law  # a law of the rate holds along the whole path as it is
         rate = np.zeros_like(target)
@@ -197,15 +221,13 @@ class Staggered(CouplingScheme):
     ) -> StepResult:
         if solid.n_unknowns == 0:
             return _follow(bus, solid, motion, memory, time, dt)
-        now = bus.active_law()
-        tension = now.evaluate(bus.stretch, bus.stretch_rate).tension
-        law = AffineLaw(bus.stretch, tension, np.zeros_like(tension), now.inertance)
+        now = bus.active_law(0.0)
+        law = HeldTension(now.evaluate(bus.stretch, bus.stretch_rate).tension, now.inertance)
         result = integrator.step(solid, law, motion, memory, time, dt)
         if not result.report.converged:
             return result
-        stretch, rate = _stretches(solid, bus, result.motion, time, dt)
-        bus.advance(stretch, dt)
-        _record(bus, law, stretch, rate, dt)
+        bus.advance(_stretches(solid, result.motion, time, dt)[0], dt)
+        _record(bus, solid, law, result.motion, time, dt)
         return result
 
 
@@ -236,38 +258,9 @@ class Monolithic(CouplingScheme):
         result = integrator.step(solid, law, motion, memory, time, dt)
         if not result.report.converged:
             return result
-        stretch, rate = _stretches(solid, bus, result.motion, time, dt)
-        bus.advance(stretch, dt)
-        _record(bus, bus.active_law(), stretch, rate, dt)
+        bus.advance(_stretches(solid, result.motion, time, dt)[0], dt)
+        _record(bus, solid, bus.active_law(dt), result.motion, time, dt)
         return result
-
-
-@final
-class AdvancedLaw(ActiveLaw):
-    """Tension after the population has been advanced from the start of the step to the stretch asked for."""
-
-    __slots__ = ("_bus", "_dt")
-
-    # A hundred-millionth of the stretch moves the heads by 1e-6 reach: far above round-off, far below a bin.
-    DIFFERENCE = 1e-8
-
-    def __init__(self, bus: CouplingBus, dt: float) -> None:
-        self._bus = bus
-        self._dt = dt
-
-    @property
-    def inertance(self) -> Array | None:
-        return self._bus.active_law().inertance
-
-    def evaluate(self, stretch: Array, stretch_rate: Array) -> LawValue:
-        here = self._bus.law_after(stretch, self._dt).evaluate(stretch, stretch_rate)
-        moved = stretch + self.DIFFERENCE
-        there = self._bus.law_after(moved, self._dt).evaluate(moved, stretch_rate)
-        slope = (there.tension - here.tension) / self.DIFFERENCE
-        return LawValue(here.tension, slope, here.rate_sensitivity)
-
-    def scaled(self, factor: Array) -> ActiveLaw:
-        raise NotImplementedError("the law of a full step is in Pa already")
 
 
 @hookimpl

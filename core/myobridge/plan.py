@@ -11,7 +11,7 @@ import attrs
 from myobridge.build import build
 from myobridge.effects import EFFECTS, FAMILY_OF_SECTION, SECTIONS, known_effects, suppliers
 from myobridge.errors import MyobridgeError, ParameterError, SceneError, nearest
-from myobridge.look_ahead import check_activation, check_prescribed_stretch
+from myobridge.look_ahead import check_activation, check_prescribed_stretch, memory_of_this_machine
 from myobridge.parameters import declared, optional_effects
 from myobridge.registry import Registry, registry
 from myobridge.scene import Scene
@@ -66,6 +66,7 @@ class Plan:
         """
         scene, parts = self.scene, dict(self.parts)
         try:
+            _check_memory(self.sizes())
             simulation = _composed(scene, parts)
             _check_record(scene, simulation)
         except ParameterError as error:
@@ -142,6 +143,16 @@ def _part(plugins: Registry, section: str, table: Mapping[str, Any], scene: Scen
         return build(plugins, FAMILY_OF_SECTION[section], table, scene.effects, scene.folder or Path())
     except ParameterError as error:
         raise ParameterError(f"{section}.{error.key}", error.problem) from None
+
+
+def _check_memory(sizes: Mapping[str, int]) -> None:
+    needed, there = sizes.get("population bytes", 0), memory_of_this_machine()
+    if needed > there:
+        raise ParameterError(
+            "solid",
+            f"has {sizes['sites']:,} sites, whose population needs {needed / 2**30:,.0f} GiB, and this machine has "
+            f"{there / 2**30:,.0f}; use fewer sites or bins",
+        )
 
 
 def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -243,10 +243,22 @@ def _override(data: dict[str, Any], key: str, value: Any) -> None:
         if not isinstance(table, dict):
             raise ParameterError(key, f"cannot be set: '{name}' is {table!r}, no table")
     table[rest[-1]] = value
-    if key == f"{first}.plugin" and first in FAMILY_OF_SECTION and isinstance(value, str):
+    family = _family(data, first, rest[:-1]) if rest[-1] == "plugin" and isinstance(value, str) else ""
+    if family and value in registry().names(family):
         # Another plugin: what both know (p_max, rates) stays, what only the old one knew goes.
-        found = registry()
-        if value in found.names(FAMILY_OF_SECTION[first]):
-            known = {"plugin", "parameters", *declared(found.find(FAMILY_OF_SECTION[first], value).cls)}
-            for name in set(table) - known:
-                del table[name]
+        known = {"plugin", "parameters", *declared(registry().find(family, value).cls)}
+        for name in set(table) - known:
+            del table[name]
+
+
+def _family(data: Mapping[str, Any], section: str, inner: Sequence[str]) -> str:
+    """Family of the plugin that the table `section`, or a part within it, names; empty where none is known."""
+    family, table = FAMILY_OF_SECTION.get(section, ""), data.get(section, {})
+    for name in inner:
+        plugin = table.get("plugin", "") if isinstance(table, Mapping) else ""
+        if not family or plugin not in registry().names(family):
+            return ""
+        item = declared(registry().find(family, plugin).cls).get(name)
+        family = "" if item is None else item.family
+        table = table.get(name, {})
+    return family

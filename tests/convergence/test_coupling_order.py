@@ -8,6 +8,7 @@ import pytest
 import myobridge as mb
 from myobridge.coupling import Corrected, Monolithic, Splitting
 from myobridge_plugins.cross_bridge.huxley import Huxley
+from myobridge_plugins.cross_bridge.prescribed import Prescribed
 from myobridge_plugins.macro_solid.spring import Spring
 from myobridge_plugins.signal.sine import Sine
 from myobridge_plugins.time_integrator.midpoint import Midpoint
@@ -58,3 +59,48 @@ def test_order_of_the_coupling(coupling, inertia, least):
     print(f"{type(coupling).__name__}, inertia {inertia}: observed order {rate:.2f}, errors {errors}")
     assert np.abs(reference).max() > 0.05
     assert rate >= least
+
+
+@pytest.mark.parametrize(
+    "coupling", [Splitting(), Corrected(), Monolithic()], ids=["splitting", "corrected", "monolithic"]
+)
+def test_order_with_an_activation_that_changes(coupling):
+    """A tension that follows the activation alone: the law has to see the activation of the integrator's stage."""
+
+    def final(dt: float) -> np.ndarray:
+        simulation = mb.Simulation(
+            solid=Spring(mass=0.05, stiffness=3e3, length=LENGTH, area=AREA),
+            cross_bridges=Prescribed(),
+            integrator=Midpoint(),
+            coupling=coupling,
+            activation=Sine(offset=0.5, amplitude=0.4, frequency=9.0, phase=0.3),
+            dt=dt,
+        )
+        simulation.run(0.05)
+        return np.array([simulation.motion.displacement[0], 1e-3 * simulation.motion.velocity[0]])
+
+    steps = np.array([1e-3, 5e-4, 2.5e-4, 1.25e-4])
+    reference = final(1e-5)
+    errors = np.array([np.linalg.norm(final(dt) - reference) for dt in steps])
+    rate = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    print(f"{type(coupling).__name__}, activation that changes: observed order {rate:.2f}, errors {errors}")
+    assert rate >= 1.85
+
+
+@pytest.mark.parametrize(
+    "coupling", [Splitting(), Corrected(), Monolithic()], ids=["splitting", "corrected", "monolithic"]
+)
+def test_statics_see_the_activation_of_the_moment(coupling):
+    """Without inertia the equilibrium at t has the activation at t: no lag at all."""
+    activation = Sine(offset=0.5, amplitude=0.4, frequency=9.0)
+    simulation = mb.Simulation(
+        solid=Spring(stiffness=3e3, length=LENGTH, area=AREA),
+        cross_bridges=Prescribed(),
+        integrator=QuasiStatic(),
+        coupling=coupling,
+        activation=activation,
+        dt=5e-3,
+    )
+    simulation.run(0.045)
+    expected = -73e3 * AREA * float(activation.value(simulation.time)) / 3e3
+    assert simulation.motion.displacement[0] == pytest.approx(expected, rel=1e-9)

@@ -87,3 +87,25 @@ def test_slack_chain_in_statics_is_refused():
     simulation = mb.Simulation(solid=taut, integrator=QuasiStatic(), cross_bridges=Prescribed(p_max=1e3))
     simulation.step()
     assert simulation.bus.tension == pytest.approx(1e3)
+
+
+@pytest.mark.parametrize(("kind", "size"), [*KINDS, (Chain, {"springs": 2})])
+@pytest.mark.parametrize("right", ["free", "fixed"])
+def test_supports_carry_the_whole_weight(kind, size, right):
+    """Statics: reactions, weight and load sum to zero, the share of a node on its support included."""
+    from myobridge_plugins.signal.constant import Constant
+
+    load = Constant(level=0.3) if right == "free" else None
+    solid = line(kind, size, right=right, gravity=9.81, load=load)
+    simulation = mb.Simulation(solid=solid, integrator=QuasiStatic())
+    simulation.step()
+    total = sum(float(force[0]) for force in solid.reactions(simulation.motion, np.zeros(solid.n_sites), 0.0).values())
+    assert total == pytest.approx(-(0.02 * 9.81 + (0.3 if load else 0.0)), rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", [Chain, Rope])
+def test_a_load_of_several_values_is_refused(kind):
+    from myobridge_plugins.signal.constant import Constant
+
+    with pytest.raises(mb.ParameterError, match="load: has 2 values"):
+        kind(load=Constant(level=(1.0, 2.0)))

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from myobridge.instant import just_before
 from myobridge.interfaces import ActiveLaw, Array, MacroSolid, Matrix, Memory, Motion, StepReport, StepResult
 from myobridge.solvers.linear import add_scaled, times
 from myobridge.solvers.newton import newton
@@ -46,7 +47,7 @@ def implicit_stage(
     if start.size == 0:
         return StepResult(motion, memory, StepReport())
     mass = effective_mass(solid, law and law.inertance) if inertia else None
-    stage_time = time + stage * dt
+    stage_time = time + stage * dt if stage < 1.0 else just_before(time + dt, dt)
     held = 0.0 if mass is None else times(mass, velocity) / (stage * dt)
 
     def at(end: Array) -> Motion:

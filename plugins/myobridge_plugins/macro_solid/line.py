@@ -12,7 +12,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
@@ -61,8 +61,6 @@ class Line(MacroSolid):
         Of the free nodes at t = 0, node by node; instead of the uniform stretch, of rest.
     """
 
-    inertia: ClassVar[bool] = True
-
     length: float = number(1.0, unit="m", within="(0, inf)", doc="rest length")
     area: float = number(1e-4, unit="m^2", within="(0, inf)", doc="cross-section")
     modulus: float = number(1e5, unit="Pa", within="(0, inf)", doc="Young's modulus")
@@ -83,6 +81,10 @@ class Line(MacroSolid):
             given = getattr(self, name)
             if given is not None and np.size(given) != self.n_unknowns:
                 raise ParameterError(name, f"has {np.size(given)} values; expected one for each of {self.n_unknowns}")
+        if self.load is not None and np.size(self.load.value(0.0)) != 1:
+            raise ParameterError(
+                "load", f"has {np.size(self.load.value(0.0))} values; expected 1, the force on one end"
+            )
         if self.load is not None and self.right == "fixed":
             raise ParameterError("load", "acts on the right end, which is fixed; set right = 'free'")
         if self.gravity is not None and np.size(self.gravity) not in (1, self.n_axes):
@@ -229,18 +231,18 @@ class Line(MacroSolid):
 
     @cached_property
     def _weight(self) -> Array:
-        """Force of gravity on the free components [N]."""
-        if self.gravity is None:
-            return np.zeros(self.n_unknowns)
+        """Force of gravity on all nodes [N], shape (n_nodes, n_axes); one number acts along the last axis: down."""
         acceleration = np.zeros(self.n_axes)
-        acceleration[...] = self.gravity if np.size(self.gravity) > 1 else 0.0
-        if np.size(self.gravity) == 1:  # one number acts along the last axis: down
-            acceleration[-1] = float(np.ravel(self.gravity)[0])
-        shares = times(self.mesh.mass, np.ones(self.mesh.nodes.size))
-        return (self.mass * shares[:, None] * acceleration).ravel()[self.free]
+        given = np.zeros(1) if self.gravity is None else np.ravel(self.gravity)
+        acceleration[-given.size :] = given
+        return self.mass * times(self.mesh.mass, np.ones(self.mesh.nodes.size))[:, None] * acceleration
+
+    @cached_property
+    def _free_weight(self) -> Array:
+        return self._weight.ravel()[self.free]
 
     def external_force(self, displacement: Array, time: float) -> Array:
-        force = self._weight.copy()
+        force = self._free_weight.copy()
         if self.load is not None:
             force[-self.n_axes] += float(np.ravel(self.load.value(time))[0])
         return force
@@ -286,6 +288,7 @@ class Line(MacroSolid):
         gradient, stretch = self._gradient(motion.displacement)
         stress = self.modulus * (stretch - 1.0) + tension
         forces = self.mesh.derivative.T @ ((self.site_volumes * stress / stretch)[:, None] * gradient)
+        forces -= self._weight  # what rests on a support directly; its share of a consistent mass's inertia is left out
         ends = {"left": 0, "right": -1}
         return {name: forces[node] for name, node in ends.items() if getattr(self, name) == "fixed"}
 

@@ -9,6 +9,7 @@ from typing import ClassVar, final
 import attrs
 import numpy as np
 
+from myobridge.errors import ParameterError
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import ActiveLaw, Array, Balance, MacroSolid, Motion, Signal
 from myobridge.parameters import number, part
@@ -48,6 +49,12 @@ class Spring(MacroSolid):
     load: Signal | None = part("signal", None, doc="external force [N], positive lengthens")
     displacement: float = number(0.0, unit="m", doc="displacement at the start")
     velocity: float = number(0.0, unit="m/s", doc="velocity at the start")
+
+    def __attrs_post_init__(self) -> None:
+        if self.load is not None and np.size(self.load.value(0.0)) != 1:
+            raise ParameterError(
+                "load", f"has {np.size(self.load.value(0.0))} values; expected 1, the force on one mass"
+            )
 
     @property
     def n_unknowns(self) -> int:

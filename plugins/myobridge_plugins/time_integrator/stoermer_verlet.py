@@ -7,6 +7,7 @@ from typing import ClassVar, final
 import attrs
 
 from myobridge.hookspecs import hookimpl
+from myobridge.instant import just_before
 from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, StepResult, TimeIntegrator
 from myobridge.solvers import acceleration, step_report
 
@@ -38,7 +39,7 @@ class StoermerVerlet(TimeIntegrator):
     ) -> StepResult:
         half = motion.velocity + 0.5 * dt * acceleration(solid, law, motion, time)
         moved = Motion(motion.displacement + dt * half, half, motion.multiplier)
-        velocity = half + 0.5 * dt * acceleration(solid, law, moved, time + dt)
+        velocity = half + 0.5 * dt * acceleration(solid, law, moved, just_before(time + dt, dt))
         end = Motion(moved.displacement, velocity, motion.multiplier)
         middle = Motion(0.5 * (motion.displacement + end.displacement), half, motion.multiplier)
         return StepResult(end, memory, step_report(solid, law, motion, end, middle, time + 0.5 * dt))
