@@ -290,7 +290,7 @@ def test_files_are_looked_for_beside_the_scene(cli, tmp_path: Path) -> None:
     table = 'path = { plugin = "table", file = "data/path.csv" }'
     (folder.parent / "scene.toml").write_text(SCENE.replace(PATH, table))
     assert cli("run", folder.parent / "scene.toml", "-q", "-o", "result.h5").code == 0
-    assert mb.Result.load(tmp_path / "result.h5")["stretch"][-1] == pytest.approx(0.98, abs=1e-15)
+    assert mb.Result.load(tmp_path / "result.h5")["stretch"][-1] == pytest.approx(0.98, abs=1e-12)
 
 
 def test_a_plugin_that_breaks_when_it_is_built_is_named(cli, write, monkeypatch) -> None:

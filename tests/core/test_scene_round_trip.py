@@ -113,3 +113,14 @@ def test_none_means_not_given() -> None:
 def test_a_built_plugin_is_no_data() -> None:
     with pytest.raises(mb.ParameterError, match=r"solid\.path: is .*mb\.Simulation"):
         mb.Scene(duration=1.0, step=0.1, solid={"plugin": "clamp", "path": object()})
+
+
+def test_another_plugin_within_a_section_drops_what_only_the_old_one_knew() -> None:
+    """``--set solid.path.plugin=sine``: the ramp's own keys go, the frequency that follows is the sine's."""
+    scene = mb.Scene(
+        duration=0.1,
+        step=1e-3,
+        solid={"plugin": "clamp", "path": {"plugin": "ramp", "initial": 1.0, "final": 0.99, "end": 0.1}, "sites": 2},
+    )
+    changed = scene.with_settings({"solid.path.plugin": "sine", "solid.path.frequency": 5.0})
+    assert changed.to_data()["solid"] == {"plugin": "clamp", "path": {"plugin": "sine", "frequency": 5.0}, "sites": 2}
