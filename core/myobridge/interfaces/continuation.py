@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import attrs
+import numpy as np
 
 from myobridge.interfaces.active_law import Array
 from myobridge.interfaces.macro_solid import Matrix
@@ -41,6 +42,14 @@ class ContinuationProblem(ABC):
     def admissible(self, unknowns: Array) -> bool:
         """Whether the state is physically possible."""
         return True
+
+    def magnitude(self, unknowns: Array, level: float) -> float:
+        """Norm of the terms that cancel in the residual, whose round-off it cannot beat; unless said, the full load."""
+        return float(np.linalg.norm(self.level_derivative(unknowns, level)))
+
+    def weights(self) -> Array | float:
+        """Weight of each unknown in the length of a change, so that units can be mixed; 0 leaves a multiplier out."""
+        return 1.0
 
 
 @attrs.frozen(eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from myobridge.interfaces import Array, MacroSolid, Matrix
 
-__all__ = ["SingularMatrix", "add_scaled", "mass_solver", "solve", "times"]
+__all__ = ["SingularMatrix", "add_scaled", "bordered", "mass_solver", "solve", "times"]
 
 
 class SingularMatrix(ArithmeticError):
@@ -34,6 +34,19 @@ def add_scaled(matrix: Matrix, factor: float, other: Matrix | None) -> Matrix:
 
         return matrix + sparse.diags_array(factor * other)
     return matrix + factor * other
+
+
+def bordered(matrix: Matrix, column: Array, row: Array, corner: float) -> Matrix:
+    """The matrix with one more column and row, ``[[matrix, column], [row, corner]]``, dense or sparse as it was."""
+    if isinstance(matrix, np.ndarray):
+        n = column.size
+        result = np.empty((n + 1, n + 1))
+        result[:n, :n], result[:n, n], result[n, :n], result[n, n] = matrix, column, row, corner
+        return result
+    import scipy.sparse as sparse
+
+    blocks = [[matrix, column[:, None]], [row[None], np.array([[corner]])]]
+    return sparse.block_array([[sparse.csc_array(block) for block in line] for line in blocks], format="csc")
 
 
 def solve(matrix: Matrix, vector: Array) -> Array:

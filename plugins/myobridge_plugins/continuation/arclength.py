@@ -1,0 +1,267 @@
+"""Pseudo-arclength continuation."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, NamedTuple, final
+
+import attrs
+import numpy as np
+
+from myobridge.hookspecs import hookimpl
+from myobridge.interfaces import Array, ContinuationPath, ContinuationProblem, ContinuationStrategy, Matrix, PathPoint
+from myobridge.parameters import integer, number
+from myobridge.solvers import SingularMatrix, bordered, newton, solve
+from myobridge_plugins.continuation.equilibrium import accepted, cancelling, equilibrium, length, slope
+
+__all__ = ["Arclength"]
+
+
+class Metric(NamedTuple):
+    """Inner product of two changes (unknowns, level): `factors` holds the square weight of each."""
+
+    factors: Array
+
+    def product(self, left: Array, right: Array) -> float:
+        return float(left @ (self.factors * right))
+
+    def unit(self, change: Array) -> Array:
+        return change / math.sqrt(self.product(change, change))
+
+
+class Trial(NamedTuple):
+    """End of a step: point (unknowns, level), direction of the path there, turn [degrees], iterations, complaint."""
+
+    point: Array
+    direction: Array
+    turn: float
+    iterations: int
+    complaint: str = ""
+
+
+@final
+@attrs.frozen
+class Arclength(ContinuationStrategy):
+    r"""Pseudo-arclength continuation (Keller [1]_; thesis [2]_, Remark 4.6): unknowns and level are found together.
+
+    .. math:: F(u, \ell) = 0, \qquad
+              \vartheta\,\frac{\langle t_u, u - u_k\rangle}{U^2} + (1 - \vartheta)\,t_\ell\,(\ell - \ell_k) = s, \qquad
+              \begin{pmatrix} F_u & F_\ell \\ \vartheta t_u^T / U^2 & (1 - \vartheta) t_\ell \end{pmatrix}
+              \begin{pmatrix} \delta u \\ \delta\ell \end{pmatrix} = -r
+
+    with the direction `t` of the path, of length 1, and the step `s`. The bordered matrix is regular at a limit point,
+    where :math:`F_u` is singular: the level turns, and the path goes on. `U` is the scale of the unknowns: how far the
+    full load would move them at the first slope, and, once that is more, the largest distance from the start so far.
+
+    The path ends exactly at level 1. It may be missed by a fold that exceeds level 1 for less than one step.
+    It ends early, and says so, when it comes back to the lowest level, when the step falls below the smallest, or when
+    there are too many points.
+
+    Parameters
+    ----------
+    step, smallest, largest : float
+        First, smallest and largest step [-], in the length above: 1 is the full load, or the scale of the unknowns.
+    share : float
+        Share of the unknowns in the length, theta above.
+    turn : float
+        Largest angle between the directions at both ends of a step [degrees]; a larger one halves the step.
+    easy : int
+        Iterations that a step should take: fewer make the next one larger, more make it smaller.
+    lowest : float
+        Level to which the path may come back; below 0 the load is reversed, as between the limit points of a truss.
+    max_points, max_iterations : int
+        Most points of a path, and Newton iterations of a step.
+    tolerance : float
+        Factor by which Newton's residual must fall.
+
+    References
+    ----------
+    .. [1] H. B. Keller, Numerical solution of bifurcation and nonlinear eigenvalue problems, in: Applications of
+       Bifurcation Theory (1977), 359-384.
+    .. [2] Thesis, Remark 4.6, which names the idea and does not use it.
+    """
+
+    summary: ClassVar[str] = "pseudo-arclength (thesis, Remark 4.6); passes limit points"
+
+    step: float = number(0.05, within="(0, 1]", doc="first step along the path")
+    smallest: float = number(1e-6, within="(0, 1]", doc="smallest step, at which it gives up")
+    largest: float = number(0.25, within="(0, inf)", doc="largest step")
+    share: float = number(0.5, within="(0, 1)", doc="share of the unknowns in the length of a step")
+    turn: float = number(20.0, unit="degrees", within="(0, 90)", doc="largest turn of the path in a step")
+    easy: int = integer(4, within="[1, inf)", doc="iterations that a step should take")
+    lowest: float = number(0.0, within="(-inf, 0]", doc="level at which a path that comes back is given up")
+    max_points: int = integer(1000, within="[2, inf)", doc="most points of a path")
+    max_iterations: int = integer(12, within="[1, inf)", doc="Newton iterations of a step")
+    tolerance: float = number(1e-10, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
+
+    def trace(self, problem: ContinuationProblem, start: Array) -> ContinuationPath:
+        first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
+        if not first.converged:
+            return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
+        points = [accepted(problem, first.unknowns, 0.0, first.iterations)]
+        ahead = slope(problem, first.unknowns, 0.0)
+        if ahead is None:
+            return ContinuationPath(
+                tuple(points),
+                False,
+                "at level 0 the tangent is singular, so the path has no direction: hold what moves freely, or start "
+                "from a state that is stretched.",
+            )
+        scale = length(problem, ahead)
+        here, direction = np.append(first.unknowns, 0.0), np.append(ahead, 1.0)
+        step, turns = min(self.step, self.largest), []
+        while len(points) < self.max_points:
+            metric = self._metric(problem, here.size - 1, scale)
+            direction = metric.unit(direction)
+            spent = 0
+            while True:
+                trial = self._advance(problem, here, direction, step, metric)
+                spent += trial.iterations
+                if not trial.complaint:
+                    break
+                step *= 0.5
+                if step < self.smallest:
+                    return ContinuationPath(tuple(points), False, self._too_small(points, trial.complaint))
+            level = float(trial.point[-1])
+            if level <= self.lowest:
+                return ContinuationPath(tuple(points), False, self._returned(points, turns))
+            if trial.direction[-1] * direction[-1] < 0.0:
+                turns.append(max(level, points[-1].level) if direction[-1] > 0.0 else min(level, points[-1].level))
+            here, direction = trial.point, trial.direction
+            points.append(accepted(problem, here[:-1], level, spent))
+            if level == 1.0:
+                return ContinuationPath(tuple(points), True)
+            scale = max(scale, length(problem, here[:-1] - first.unknowns))
+            step = min(step * self._growth(trial), self.largest)
+        return ContinuationPath(tuple(points), False, self._too_many(points))
+
+    def _metric(self, problem: ContinuationProblem, n_unknowns: int, scale: float) -> Metric:
+        factors = np.full(n_unknowns + 1, 1.0 - self.share)
+        factors[:-1] = self.share * (np.broadcast_to(problem.weights(), n_unknowns) / (scale or 1.0)) ** 2
+        return Metric(factors)
+
+    def _growth(self, trial: Trial) -> float:
+        by_iterations = math.sqrt(self.easy / max(trial.iterations, 1))
+        by_turn = 0.7 * self.turn / max(trial.turn, 1e-3 * self.turn)
+        return min(max(min(by_iterations, by_turn), 0.5), 2.0)
+
+    def _advance(
+        self, problem: ContinuationProblem, here: Array, direction: Array, step: float, metric: Metric
+    ) -> Trial:
+        """One step along the path, or to level 1 where that is nearer."""
+        guess = here + step * direction
+        row = metric.factors * direction
+        at_end = guess[-1] >= 1.0
+        if at_end:
+            guess, row = _at_level_one(here, direction)
+        trial = self._correct(problem, guess, row)
+        if not trial.complaint and not at_end and trial.point[-1] > 1.0:
+            # The guess was below 1 and the path is above: cut the chord, correct at level 1.
+            cut = self._correct(problem, *_at_level_one(here, trial.point - here))
+            trial = cut._replace(iterations=trial.iterations + cut.iterations)
+            at_end = True
+        if trial.complaint:
+            return trial
+        if at_end:
+            trial.point[-1] = 1.0  # not a last digit beside it
+        change = trial.point - here
+        if metric.product(change, change) > (2.0 * step) ** 2:
+            return trial._replace(complaint="the solution found is too far away, on another branch")
+        try:
+            ahead = metric.unit(_direction(problem, trial.point, metric.factors * direction))
+        except SingularMatrix:
+            return trial._replace(complaint="the bordered matrix is singular: branches meet here")
+        turn = math.degrees(math.acos(min(max(metric.product(direction, ahead), -1.0), 1.0)))
+        if not turn <= self.turn:
+            return trial._replace(complaint=f"the path turns by {turn:.3g} degrees in one step")
+        return trial._replace(direction=ahead, turn=turn)
+
+    def _correct(self, problem: ContinuationProblem, guess: Array, row: Array) -> Trial:
+        """Point of the path in the plane through `guess` with normal `row`."""
+        if not problem.admissible(guess[:-1]):
+            return Trial(guess, row, 0.0, 0, "the step leads to a state that is not admissible")
+        row = row * _load(problem, guess)
+
+        def evaluate(point: Array) -> tuple[Array, Matrix, float]:
+            unknowns, level = point[:-1], float(point[-1])
+            column = problem.level_derivative(unknowns, level)
+            residual = np.append(problem.residual(unknowns, level), row @ (point - guess))
+            tangent = problem.tangent(unknowns, level)
+            magnitude = cancelling(problem, tangent, unknowns, level)
+            return residual, bordered(tangent, column, row[:-1], float(row[-1])), magnitude
+
+        with np.errstate(all="ignore"):  # far off, a trial may overflow; Newton sees it and backtracks
+            found = newton(
+                evaluate,
+                guess,
+                admissible=lambda point: problem.admissible(point[:-1]),
+                tolerance=self.tolerance,
+                max_iterations=self.max_iterations,
+            )
+        return Trial(found.unknowns, row, 0.0, found.iterations, "" if found.converged else found.reason)
+
+    def _too_small(self, points: list[PathPoint], complaint: str) -> str:
+        return (
+            f"{_stopped(points)}: no step along the path longer than {self.smallest:g} succeeded ({complaint}). "
+            "If two branches meet here, a small imperfection (a load across, a mesh not quite straight) tells them "
+            "apart. Else try a smaller 'smallest', a larger 'turn' or more 'max_iterations'."
+        )
+
+    def _returned(self, points: list[PathPoint], turns: list[float]) -> str:
+        first = f", the first near level {turns[0]:.6g}" if turns else ""
+        return (
+            f"{_stopped(points)}: the path returns to level {self.lowest:g} after {len(turns)} limit points{first}, "
+            "before it reaches level 1. Try a full load below its highest level, another start, or, if the load may be "
+            "reversed on the way, a 'lowest' below 0."
+        )
+
+    def _too_many(self, points: list[PathPoint]) -> str:
+        return (
+            f"{_stopped(points)}, which is as many as allowed. Try more 'max_points' or a larger 'largest'; if the "
+            "levels of the points come back again and again, the path is a closed loop."
+        )
+
+
+def _stopped(points: list[PathPoint]) -> str:
+    last = points[-1]
+    return (
+        f"arclength continuation stopped at level {last.level:.6g} after {len(points)} points, with "
+        f"{last.negative_eigenvalues} negative eigenvalues"
+    )
+
+
+def _load(problem: ContinuationProblem, point: Array) -> float:
+    """Norm of the full load, 1 where that is 0.
+
+    It brings the condition on the step to the unit of the residual, and its row to the size of the matrix, so that the
+    dense row is not made a pivot before its turn.
+    """
+    return float(np.linalg.norm(problem.level_derivative(point[:-1], float(point[-1])))) or 1.0
+
+
+def _direction(problem: ContinuationProblem, point: Array, row: Array) -> Array:
+    """Direction of the path at a point, on the positive side of `row`."""
+    unknowns, level = point[:-1], float(point[-1])
+    load = _load(problem, point)
+    column = problem.level_derivative(unknowns, level)
+    tangent = bordered(problem.tangent(unknowns, level), column, load * row[:-1], load * float(row[-1]))
+    right = np.zeros(point.size)
+    right[-1] = load
+    found = solve(tangent, right)
+    if not np.all(np.isfinite(found)):
+        raise SingularMatrix
+    return found
+
+
+def _at_level_one(here: Array, change: Array) -> tuple[Array, Array]:
+    """Where the straight line from `here` along `change` meets level 1, and the normal of that plane."""
+    guess = here + change * ((1.0 - here[-1]) / change[-1])
+    guess[-1] = 1.0
+    row = np.zeros(here.size)
+    row[-1] = 1.0
+    return guess, row
+
+
+@hookimpl
+def myobridge_continuations() -> dict[str, type[ContinuationStrategy]]:
+    return {"arclength": Arclength}
