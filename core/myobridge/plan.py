@@ -156,6 +156,8 @@ def _check_memory(sizes: Mapping[str, int]) -> None:
 
 
 def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
+    if scene.step > scene.duration:
+        raise ParameterError("scene.step", f"is {scene.step:g} s, longer than the duration of {scene.duration:g} s")
     solid, activation = parts["solid"], parts.get("activation")
     if activation is not None:
         check_activation(activation, solid.n_sites, scene.duration)

@@ -243,6 +243,10 @@ class Simulation:
     def _check_statics(self) -> None:
         if self.integrator.inertia:
             return
+        if self.bus is not None and self.bus.inertance is not None and self.solid.n_unknowns > 0:
+            raise SceneError(
+                "cross_bridges: heads with mass need inertia: use an integrator that has it, a clamp, or heads without mass"
+            )
         obstacle = self.solid.statics_obstacle(self.motion, None if self.bus is None else self.bus.active_law_at_rest())
         if obstacle:
             raise SceneError(f"solid: {obstacle}")

@@ -246,3 +246,17 @@ def test_another_model_by_one_line_runs(name: str, model: str, scenes) -> None:
     result = mb.run(scene, settings={"cross_bridges.plugin": model, "scene.duration": 2e-3})
     assert np.all(np.isfinite(result["tension"]))
     assert result.checkpoint.scalars["steps"] == 2
+
+
+def test_heads_with_mass_need_inertia_or_a_clamp() -> None:
+    from myobridge_plugins.cross_bridge.discrete import Discrete
+    from myobridge_plugins.macro_solid.spring import Spring
+    from myobridge_plugins.time_integrator.midpoint import Midpoint
+    from myobridge_plugins.time_integrator.quasi_static import QuasiStatic
+
+    heads = Discrete(head_mass=1e-9)
+    with pytest.raises(mb.SceneError, match="heads with mass need inertia"):
+        mb.Simulation(solid=Spring(), cross_bridges=heads, integrator=QuasiStatic())
+    moving = mb.Simulation(solid=Spring(velocity=0.1), cross_bridges=heads, integrator=Midpoint())
+    moving.step()
+    assert moving.ledger.kinetic != 0.0

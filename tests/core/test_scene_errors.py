@@ -146,6 +146,7 @@ MISTAKES = {
         "final = 0.99, ", "final = 0.99, slope = 1.0, ", 11, "solid.path.final", ("both are given",)
     ),
     "list of wrong length": Mistake("final = 0.99", "final = [0.99, 0.98]", 11, "solid.path", ("2 values", "3 sites")),
+    "a step longer than the run": Mistake("step = 1e-3", "step = 1.0", 6, "scene.step", ("longer than the duration",)),
     "lists of different lengths": Mistake(
         "initial = 1.0, final = 0.99", "initial = [1, 1], final = [1, 1, 1]", 11, "solid.path.final", ("3 values", "2")
     ),
