@@ -245,7 +245,7 @@ class Simulation:
             return
         if self.bus is not None and self.bus.inertance is not None and self.solid.n_unknowns > 0:
             raise SceneError(
-                "cross_bridges: heads with mass need inertia: use an integrator that has it, a clamp, or heads without mass"
+                "cross_bridges: heads with mass need inertia: use an integrator that has it, a clamp, or massless heads"
             )
         obstacle = self.solid.statics_obstacle(self.motion, None if self.bus is None else self.bus.active_law_at_rest())
         if obstacle:
