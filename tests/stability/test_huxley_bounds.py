@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from myobridge_plugins.cross_bridge.huxley import Huxley
@@ -40,7 +40,7 @@ def _shaken(
         if way == "advance":
             state, _ = model.advance(state, activation, np.zeros(1), np.array([path / model.gear]), dt)
         else:
-            state = model.slide(model.react(state, activation, ON, dt)[0], np.array([path]))
+            state = model.react(model.slide(state, np.array([path])), activation, ON, dt)[0]
         assert np.all(np.isfinite(state))
         least, most = _range(model, state)
         low, high = min(low, least), max(high, most)
@@ -57,6 +57,9 @@ def _shaken(
     g3=st.sampled_from([0.0, 25.0]),
     scales=st.sampled_from(["rate", "fraction"]),
     start=st.sampled_from(["isometric", "empty"]),
+)
+@example(  # the window moves by as much as the heads slide: its start is where it was
+    steps=[(1e-3, 1.0, 1.0, "split"), (1e-3, -1.0, 1.0, "split")], faster=1.0, g3=0.0, scales="rate", start="isometric"
 )
 def test_exact_for_any_step(steps, faster, g3, scales, start):
     model = Huxley(

@@ -15,24 +15,28 @@ import math
 import numba as nb
 import numpy as np
 
-from myobridge_plugins.cross_bridge.label_kernels import carry, decay
+from myobridge_plugins.cross_bridge.held_kernels import react_site
+from myobridge_plugins.cross_bridge.label_kernels import carry
 from myobridge_plugins.cross_bridge.range_kernels import (
-    fading,
     high_dwell,
-    highest,
+    some_above,
     step_crowded,
     step_high,
     step_low,
     step_mid,
+    tabulate,
 )
 from myobridge_plugins.cross_bridge.window_kernels import (
+    BARE,
     CELLS,
     COUNT,
     FACE,
     FAST,
     FIRST,
     HEADER,
+    LANES,
     LAST,
+    MADE,
     PART0,
     PART1,
     PARTS,
@@ -45,6 +49,7 @@ from myobridge_plugins.cross_bridge.window_kernels import (
     cut_at,
     divide,
     enter_zone,
+    hold_cut,
     move_window,
     part_slope,
     thin_out,
@@ -56,7 +61,7 @@ __all__ = ["step_sites"]
 _PAIR = 0.28867513459481287  # half of 1/sqrt(3), Gauss' rule with two points
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def _step_parts(row, flux, site, first_part, first_cell, D, dt, f, a, g1, g2, g3, bins):
     """Parts of one zone, each carried along the path; moment sums of its cells before and after."""
     dq = 1.0 / bins
@@ -98,11 +103,11 @@ def _step_parts(row, flux, site, first_part, first_cell, D, dt, f, a, g1, g2, g3
     return b0, b1, b2, a0, a1, a2
 
 
-@nb.njit(**FAST)
-def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, whole_dt):
+@nb.njit(**BARE)
+def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, spare, whole_dt):
     """One site along a path that ends at most CELLS - 1 cells away; fluxes in h-units are added.
 
-    `table` is that of `fading` for a step `whole_dt`.
+    `tables` are those of `tabulate` for a step `whole_dt`; `spare` takes those for another.
     """
     dq = 1.0 / bins
     start = row[START]
@@ -124,7 +129,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, w
     # Between the zones.
     middle = cells[zone + CELLS : zone + bins]
     q = centre + (zone + CELLS) * dq
-    if a >= 1.0 or highest(middle) <= a:
+    if a >= 1.0 or not some_above(middle, a):
         c = f + g1
         F = f * a / c if c > 0.0 else 0.0
         t0, t1, t2, u0, u1, u2 = step_mid(middle, q, D, dq, c, F, dt)
@@ -153,7 +158,12 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, w
     m2 += u2
     # Below.
     factor = math.exp(-g2 * dt)
-    b0, b1, b2 = step_low(cells[first:zone], centre + first * dq, dq, factor)
+    if whole_dt != dt:
+        tables = spare
+        tabulate(tables, row.size - HEADER, (g1 + g3) * dq * dt)
+    at = zone - (zone - first + LANES - 1) // LANES * LANES
+    below = row[HEADER + at : HEADER + zone]
+    b0, b1, b2 = step_low(below, centre + at * dq, dq, factor, tables[1, LANES:])
     a0 = factor * b0
     a1 = factor * (b1 + D * b0)
     a2 = factor * (b2 + D * (2.0 * b1 + D * b0))
@@ -167,9 +177,8 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, w
     q = centre + (zone + bins + CELLS) * dq
     G = g1 + g3
     dwell = high_dwell(above, q, v, dq, G, g3, dt) if g3 > 0.0 and D != 0.0 else 0.0
-    if whole_dt != dt:
-        table = fading(above.size, G * dq * dt)
-    t0, t1, t2 = step_high(above, q + D, dq, math.exp((g3 - G * (q + 0.5 * D)) * dt), table)
+    factor = math.exp((g3 - G * (q + 0.5 * D)) * dt)
+    t0, t1, t2 = step_high(row, zone + bins + CELLS, last, q + D, dq, factor, tables, scratch[0])
     if above.size > 0:
         h0, h2 = row[Q0] * bins - b0 - n0, row[Q2] * bins - b2 - n2
         work = 0.0
@@ -182,78 +191,47 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, table, w
     row[Q1] = dq * (a1 + m1 + t1)
     row[Q2] = dq * (a2 + m2 + t2)
     row[FIRST], row[LAST] = first, last
+    row[MADE] = row[START]
     thin_out(row, new - zone)
     trim(row, math.floor(new), bins)
 
 
-@nb.njit(**FAST)
-def _react_parts(row, first_part, first_cell, dt, c, F, g2, G, g3, bins, scratch):
-    """Parts of one zone, filament held: moment sums after, and what (0, 1) gained: int q^2 d rho, int q^2 p dt."""
-    dq = 1.0 / bins
-    start = row[START] + first_cell * dq
-    n = int(row[COUNT])
-    faces, means, old = row[FACE : FACE + n + 1], row[first_part : first_part + n], scratch[0, :n]
-    for k in range(n):
-        p = start + 0.5 * (faces[k + 1] + faces[k]) * dq
-        inside = 0.0 < p < 1.0
-        rate = c * p if inside else (G * p - g3 if p > 0.0 else g2)
-        goal = F if inside else 0.0
-        old[k] = means[k]
-        means[k] = goal + (old[k] - goal) * decay(-rate * dt)
-    a0 = a1 = a2 = gained = weighted = 0.0
-    k = 0
-    for cell in range(CELLS):
-        m = start + (cell + 0.5) * dq
-        mean = 0.0
-        while k < n and faces[k] < cell + 1:
-            length = faces[k + 1] - faces[k]
-            p = start + 0.5 * (faces[k + 1] + faces[k]) * dq
-            if 0.0 < p < 1.0:
-                gained += m * m * length * (means[k] - old[k])
-                weighted += m * m * length * p * dt
-            mean += length * means[k]
-            k += 1
-        mean = min(mean, 1.0)
-        row[HEADER + first_cell + cell] = mean
-        a0 += mean
-        a1 += mean * m
-        a2 += mean * m * m
-    return a0, a1, a2, gained, weighted
+@nb.njit(**BARE)
+def _crowded(row, a, bins):
+    """Whether a mean in (0, 1) or in the zones is above the attachable fraction."""
+    zone, count = int(row[ZONE]), int(row[COUNT])
+    if some_above(row[PART0 : PART0 + count], a) or some_above(row[PART1 : PART1 + count], a):
+        return True
+    return some_above(row[HEADER + zone + CELLS : HEADER + zone + bins], a)
 
 
-@nb.njit(**FAST)
-def _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, table, scratch):
-    """One site, filament held, no mean above the attachable fraction: `_step_site` without a path, and faster."""
-    dq = 1.0 / bins
-    zone = int(row[ZONE])
-    first, last = min(int(row[FIRST]), zone), max(int(row[LAST]), zone + bins + CELLS)
-    cells = row[HEADER:]
-    centre = row[START] + 0.5 * dq
-    G = g1 + g3
-    c = f + g1
-    F = f * a / c if c > 0.0 else 0.0
-    b0, b1, b2 = step_low(cells[first:zone], centre + first * dq, dq, factor)
-    q = centre + (zone + CELLS) * dq
-    k = bins - float(CELLS)
-    _, _, t2, u0, u1, u2 = step_mid(cells[zone + CELLS : zone + bins], q, 0.0, dq, c, F, dt)
-    q1 = q + bins * dq
-    above = cells[zone + bins + CELLS : last]
-    a0, a1, a2 = step_high(above, q1, dq, math.exp((g3 - G * q1) * dt), table)
-    v0, v1, v2, gained0, weighted0 = _react_parts(row, PART0, zone, dt, c, F, g2, G, g3, bins, scratch)
-    w0, w1, w2, gained1, weighted1 = _react_parts(row, PART1, zone + bins, dt, c, F, g2, G, g3, bins, scratch)
-    # Within (0, 1), rho' = c q (F - rho), so that the detached energy follows from the change and from int q dt.
-    p = q + 0.5 * dq * (k - 1.0)
-    weighted = k * p * (p * p + 0.25 * dq * dq * (k * k - 1.0)) * dt + weighted0 + weighted1
-    gained = u2 - t2 + gained0 + gained1
-    attached = 0.5 * dq * (gained + (g1 * (F * weighted - gained / c) if c > 0.0 else 0.0))
-    before = row[Q2]
-    row[Q0] = dq * (factor * b0 + u0 + a0 + v0 + w0)
-    row[Q1] = dq * (factor * b1 + u1 + a1 + v1 + w1)
-    row[Q2] = dq * (factor * b2 + u2 + a2 + v2 + w2)
-    flux[0, site] += attached
-    flux[1, site] += attached - 0.5 * (row[Q2] - before)
-    row[FIRST], row[LAST] = first, last
-    trim(row, math.floor(cut_at(row[START], bins)), bins)
+@nb.njit(**BARE)
+def _each_site(state, out, copy, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale, work):
+    scratch, tables, spare = work
+    f1, g1, g2, g3 = rates
+    factor = math.exp(-g2 * dt)
+    for site in range(state.shape[0]):
+        row = out[site]
+        if copy:
+            copy_row(state[site], row)
+        after = state[min(site + 1, state.shape[0] - 1)]
+        hold_cut(row, bins, scratch)
+        r = activation[site]
+        o = overlap[site] if overlap.size > 1 else overlap[0]
+        f = r * f1 if by_rate else f1
+        a = o if by_rate else r * o
+        D = displacement[site] if displacement.size > 1 else displacement[0]
+        if D == 0.0 and (a >= 1.0 or not _crowded(row, a, bins)):
+            react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, scratch, after)
+        else:
+            parts = max(math.ceil(abs(D) * bins / (CELLS - 1.0)), 1)
+            for _ in range(parts):
+                _step_site(row, flux, site, D / parts, dt / parts, f, a, g1, g2, g3, bins, scratch, tables, spare, dt)
+                flux[3, site] -= 0.5 * row[Q2]
+                move_window(row, low, bins)
+                flux[3, site] += 0.5 * row[Q2]
+        for j in range(4):
+            flux[j, site] *= scale
 
 
 @nb.njit(**FAST)
@@ -262,35 +240,18 @@ def step_sites(state, out, copy, flux, displacement, dt, activation, overlap, by
 
     `displacement` and `overlap` have one entry or one a site.
     """
-    f1, g1, g2, g3 = rates
-    factor = math.exp(-g2 * dt)
-    scratch = np.empty((3, PARTS + CELLS))
     size = state.shape[1] - HEADER
-    if state.shape[0] < 8:  # a table of the whole window is not worth while
-        size = CELLS
+    spare = np.empty((2, LANES + size))
+    if state.shape[0] < 8:  # tables of the whole window are not worth while
+        size = 0
         for site in range(state.shape[0]):
-            size = max(size, int(state[site, LAST] - state[site, ZONE]))
-    table = fading(size, (g1 + g3) * dt / bins)
-    for site in range(state.shape[0]):
-        row = out[site]
-        if copy:
-            copy_row(state[site], row)
-        r = activation[site]
-        o = overlap[site] if overlap.size > 1 else overlap[0]
-        f = r * f1 if by_rate else f1
-        a = o if by_rate else r * o
-        D = displacement[site] if displacement.size > 1 else displacement[0]
-        zone = int(row[ZONE])
-        if D == 0.0 and (
-            a >= 1.0 or highest(row[PART0:HEADER]) <= a >= highest(row[HEADER + zone : HEADER + zone + bins])
-        ):
-            _react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, table, scratch)
-        else:
-            parts = max(math.ceil(abs(D) * bins / (CELLS - 1.0)), 1)
-            for _ in range(parts):
-                _step_site(row, flux, site, D / parts, dt / parts, f, a, g1, g2, g3, bins, scratch, table, dt)
-                flux[3, site] -= 0.5 * row[Q2]
-                move_window(row, low, bins)
-                flux[3, site] += 0.5 * row[Q2]
-        for j in range(4):
-            flux[j, site] *= scale
+            cut = cut_at(state[site, START], bins)  # the zone, which a slide left behind, will be within CELLS of it
+            size = max(size, int(max(state[site, LAST] - cut, cut - state[site, FIRST])))
+        size = min(size + 2 * (LANES + CELLS), state.shape[1] - HEADER)
+    tables = np.empty((2, LANES + size))
+    tabulate(tables, size, (rates[1] + rates[3]) * dt / bins)
+    scratch = np.empty((4, max(PARTS + CELLS, bins)))
+    _each_site(
+        state, out, copy, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale,
+        (scratch, tables, spare),
+    )  # fmt: skip

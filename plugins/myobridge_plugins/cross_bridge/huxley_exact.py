@@ -22,8 +22,9 @@ _HELD = np.zeros(1)
 class Exact(Discretisation):
     r"""Cut cells in the moving frame, each piece solved exactly along its path; see `exact_kernels`.
 
-    State: a header of 16 values (start of the window, moments, means beside the two cuts, occupied range) and the means
-    of the cells, shape (n_sites, 16 + n_cells). Only the occupied range is read and written.
+    State: a header (start of the window, moments, occupied range, faces and means of the divided cells) and the means
+    of the cells, shape (n_sites, HEADER + n_cells). Only the occupied range is read and written. A slide touches the
+    header alone, unless the window moves; the cells at the new cut are divided by the next step.
 
     Promises: means in [0, 1] for every step, speed and activation; a slide shifts the moments exactly (heads that leave
     the window are the only loss); no limit on the step; order 2 in it on a smooth path, exact at constant speed.

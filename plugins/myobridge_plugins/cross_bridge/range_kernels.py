@@ -5,42 +5,52 @@ from __future__ import annotations
 import math
 
 import numba as nb
-import numpy as np
 
 from myobridge_plugins.cross_bridge.label_kernels import carry, decay, relaxed_time
-from myobridge_plugins.cross_bridge.window_kernels import FAST
+from myobridge_plugins.cross_bridge.window_kernels import BARE, HEADER, LANES
 
-__all__ = ["fading", "high_dwell", "highest", "step_crowded", "step_high", "step_low", "step_mid"]
+__all__ = ["high_dwell", "some_above", "step_crowded", "step_high", "step_low", "step_mid", "tabulate"]
 
 TINY = 1e-30  # means below are set to zero: they would become denormal and slow
 
 
-@nb.njit(**FAST)
-def fading(size, rate):
-    """Table exp(-rate i): the cells above q=1 fade by it, times one factor for all, as their places are equidistant."""
-    table = np.empty(size)
+@nb.njit(**BARE)
+def tabulate(tables, size, rate):
+    """Fill tables of exp(-rate i) and i, i < size, behind LANES zeros.
+
+    The places of the cells are equidistant: those above q=1 fade by the first, times one factor for all.
+    """
+    fade, ramp = tables[0], tables[1]
+    for i in range(LANES):
+        fade[i] = ramp[i] = 0.0
     for i in range(size):
-        table[i] = decay(-rate * i)
-    return table
+        x = float(i)
+        fade[LANES + i] = decay(-rate * x)
+        ramp[LANES + i] = x
 
 
-@nb.njit(**FAST)
-def step_low(cells, q, dq, factor):
-    """Cells below q=0, the first centred at q: all decay by one factor. Moment sums before."""
+@nb.njit(**BARE)
+def _moments_at(s0, s1, s2, q, dq):
+    """Moment sums of cells, the first centred at q, from their sums over their numbers."""
+    return s0, q * s0 + dq * s1, q * q * s0 + dq * (2.0 * q * s1 + dq * s2)
+
+
+@nb.njit(**BARE)
+def step_low(cells, q, dq, factor, ramp):
+    """Cells below q=0, whole LANES of them, the first centred at q: all decay by one factor. Moment sums before."""
     s0 = s1 = s2 = 0.0
     for i in range(cells.size):
         x = cells[i]
-        m = q + i * dq
-        y = x * m
         s0 += x
+        y = x * ramp[i]
         s1 += y
-        s2 += y * m
+        s2 += y * ramp[i]
         x *= factor
         cells[i] = x if x > TINY else 0.0
-    return s0, s1, s2
+    return _moments_at(s0, s1, s2, q, dq)
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def step_mid(cells, q, D, dq, c, F, dt):
     """Cells within (0, 1), none above the attachable fraction. Moment sums before and after."""
     b0 = b1 = b2 = a0 = a1 = a2 = 0.0
@@ -65,7 +75,7 @@ def step_mid(cells, q, D, dq, c, F, dt):
     return b0, b1, b2, a0, a1, a2
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def step_crowded(cells, flux, site, q, D, dq, dt, f, a, g1, g2, g3):
     """Cells within (0, 1), some above the attachable fraction. Moment sums before and after."""
     b0 = b1 = b2 = a0 = a1 = a2 = 0.0
@@ -88,23 +98,32 @@ def step_crowded(cells, flux, site, q, D, dq, dt, f, a, g1, g2, g3):
     return b0, b1, b2, a0, a1, a2
 
 
-@nb.njit(**FAST)
-def step_high(cells, q, dq, factor, table):
-    """Cells above q=1, the first centred at q after the step. Moment sums after."""
+@nb.njit(**BARE)
+def step_high(row, first, last, q, dq, factor, tables, kept):
+    """Cells `first` to `last` above q=1, the first centred at q after the step. Moment sums after.
+
+    Whole LANES are stepped: cells before `first` are put back.
+    """
+    skip = (first - last) % LANES
+    cells = row[HEADER + first - skip : HEADER + last]
+    fade, ramp = tables[0, LANES - skip :], tables[1, LANES - skip :]
+    for i in range(LANES):
+        kept[i] = row[HEADER + first - LANES + i]
     s0 = s1 = s2 = 0.0
     for i in range(cells.size):
-        x = cells[i] * (factor * table[i])
+        x = cells[i] * (factor * fade[i])
         x = x if x > TINY else 0.0
         cells[i] = x
-        m = q + i * dq
-        y = x * m
         s0 += x
+        y = x * ramp[i]
         s1 += y
-        s2 += y * m
-    return s0, s1, s2
+        s2 += y * ramp[i]
+    for i in range(LANES):
+        row[HEADER + first - LANES + i] = kept[i]
+    return _moments_at(s0, s1, s2, q, dq)
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def high_dwell(cells, q, v, dq, G, g3, dt):
     """Sum of int rho dt of the cells above q=1; needed for the work when g3 > 0."""
     total = 0.0
@@ -113,9 +132,9 @@ def high_dwell(cells, q, v, dq, G, g3, dt):
     return total
 
 
-@nb.njit(**FAST)
-def highest(cells):
-    top = 0.0
-    for i in range(cells.size):
-        top = max(top, cells[i])
-    return top
+@nb.njit(**BARE)
+def some_above(cells, a):
+    count = 0
+    for i in range(cells.size):  # counts them all, as a search that stops would not vectorise
+        count += 1 if cells[i] > a else 0
+    return count > 0

@@ -23,25 +23,33 @@ from myobridge.interfaces import Array
 START, Q0, Q1, Q2 = 0, 1, 2, 3  # q of the left face of cell 0; moments
 FIRST, LAST = 4, 5  # cells that may hold heads: FIRST <= i < LAST; all others are zero
 ZONE, COUNT = 6, 7  # first cell of the zone at q=0 (that at q=1 begins a reach later); parts of a zone
-FACE = 8  # faces of the zone's parts, in cells from its beginning, COUNT + 1 of them
-PARTS = 20  # most parts of a zone
+MADE = 8  # START for which the zones hold the cut; a slide leaves it behind, the next step catches up
+FACE = 9  # faces of the zone's parts, in cells from its beginning, COUNT + 1 of them
+PARTS = 16  # most parts of a zone; long loops take all places, used or not, so that they vectorise
 PART0 = FACE + PARTS + 1  # means of the parts of the zone at q=0
 PART1 = PART0 + PARTS  # and at q=1
-HEADER = 72  # nine cache lines
+HEADER = 80  # ten cache lines; the last LANES columns are zero
+LANES = 16  # cells are stepped by so many: the rest of a vector loop is slow
 CELLS = 6  # cells of a zone
 BLOCK = 16  # cells by which the window moves at a time
 FADED = 1e-20  # means below are given up at the ends of the occupied range
 NEAR = 1e-7  # a face nearer to another than this part of a cell is the same
 ALIKE = 1e-7  # difference of neighbouring means, weighed by their lengths, below which their face is given up
 
+# Compiled kernels are cached beside their file. The cache does not see edits of other files: whoever edits a kernel
+# that another file imports, or these numbers, deletes `__pycache__/*.nb?` here. (An installation renews all files.)
 FAST = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
+# No counts of references: every view of an array would cost two atomic operations, a third of the time of a step. Such
+# kernels cannot allocate arrays.
+BARE = {**FAST, "_nrt": False}
 
 
 def empty_window(n_sites: int, n_cells: int, low: float, bins: int) -> Array:
     """State without heads whose window begins at or just below `low`, shape (n_sites, HEADER + n_cells)."""
     state = np.zeros((n_sites, HEADER + n_cells))
     origin = round(-low * bins)
-    state[:, START], state[:, FIRST], state[:, LAST] = -origin / bins, origin, origin + bins + 1
+    state[:, START] = state[:, MADE] = -origin / bins
+    state[:, FIRST], state[:, LAST] = origin, origin + bins + 1
     state[:, ZONE], state[:, COUNT] = origin - CELLS // 2, CELLS
     state[:, FACE : FACE + CELLS + 1] = np.arange(CELLS + 1)
     return state
@@ -57,13 +65,13 @@ def fill_window(state: Array, rho: float, bins: int) -> None:
     state[:, Q2] = rho * (1.0 / 3.0 - 1.0 / (12.0 * bins**2))
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def cut_at(start, bins):
     """Where q=0 cuts, in cells from the window's start."""
     return -start * bins
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def enter_zone(row, cell, other, bins, scratch):
     """Move the zones so that they contain `cell`, and `other` if it is near; divided cells that stay remain so."""
     zone = int(row[ZONE])
@@ -87,12 +95,13 @@ def enter_zone(row, cell, other, bins, scratch):
             scratch[0, n] = i
             scratch[1, n], scratch[2, n] = row[HEADER + place + i], row[HEADER + place + i + bins]
             n += 1
-    row[FACE : FACE + n], row[FACE + n] = scratch[0, :n], CELLS
-    row[PART0 : PART0 + n], row[PART1 : PART1 + n] = scratch[1, :n], scratch[2, :n]
+    for k in range(n):
+        row[FACE + k], row[PART0 + k], row[PART1 + k] = scratch[0, k], scratch[1, k], scratch[2, k]
+    row[FACE + n] = CELLS
     row[ZONE], row[COUNT] = place, n
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def part_slope(row, first_part, first_cell, k, before, width_before):
     """Slope of a linear profile within part `k` that stays between the means of its neighbours.
 
@@ -110,13 +119,14 @@ def part_slope(row, first_part, first_cell, k, before, width_before):
     return math.copysign(min(mean, 2.0 * min(abs(rise), abs(fall)) / width), rise)
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def divide(row, y, bins):
     """Add a face at `y` cells from the zone's beginning; `thin_out` left room for it."""
     n = int(row[COUNT])
+    faces = row[FACE + 1 : PART0]
     k = 0
-    while k + 1 < n and row[FACE + k + 1] <= y:
-        k += 1
+    for j in range(PARTS):
+        k += 1 if (j + 1 < n) & (faces[j] <= y) else 0
     if y - row[FACE + k] < NEAR or row[FACE + k + 1] - y < NEAR:
         return
     width_before = row[FACE + k] - row[FACE + k - 1] if k > 0 else 1.0
@@ -138,20 +148,32 @@ def divide(row, y, bins):
     row[COUNT] = n + 1
 
 
-@nb.njit(**FAST)
+@nb.njit(inline="always", **BARE)
+def _loss(row, k, n, y):
+    """What giving up face `k` of a zone with `n` parts costs: difference of the means, weighed by their lengths."""
+    face, before, after = row[FACE + k], row[FACE + k - 1], row[FACE + k + 1]
+    left, right = face - before, after - face
+    jump = abs(row[PART0 + k] - row[PART0 + k - 1]) + abs(row[PART1 + k] - row[PART1 + k - 1])
+    # The first has no part before it: what stands there does not matter.
+    kept = (k < 1) | (k >= n) | (face == np.floor(face)) | (abs(face - y) < 2.0 * NEAR)
+    return math.inf if kept else jump * left * right / (left + right)
+
+
+@nb.njit(**BARE)
 def thin_out(row, y):
     """Give up faces across which the means are alike, and others until there is room; not the cut at `y`."""
     while True:
-        n, best, least = int(row[COUNT]), -1, math.inf if row[COUNT] >= PARTS else ALIKE
+        n, alike = int(row[COUNT]), 0
+        for k in range(PARTS):
+            alike += 1 if _loss(row, k, n, y) < ALIKE else 0
+        if alike == 0 and n < PARTS:
+            return
+        best, least = 0, math.inf
         for k in range(1, n):
-            face = row[FACE + k]
-            if face == math.floor(face) or abs(face - y) < 2.0 * NEAR:
-                continue
-            left, right = face - row[FACE + k - 1], row[FACE + k + 1] - face
-            jump = abs(row[PART0 + k] - row[PART0 + k - 1]) + abs(row[PART1 + k] - row[PART1 + k - 1])
-            if jump * left * right / (left + right) < least:
-                best, least = k, jump * left * right / (left + right)
-        if best < 0:
+            loss = _loss(row, k, n, y)
+            if loss < least:
+                best, least = k, loss
+        if best == 0:
             return
         left, right = row[FACE + best] - row[FACE + best - 1], row[FACE + best + 1] - row[FACE + best]
         for part in (PART0 + best, PART1 + best):
@@ -162,9 +184,23 @@ def thin_out(row, y):
             row[PART0 + k], row[PART1 + k] = row[PART0 + k + 1], row[PART1 + k + 1]
         row[FACE + n - 1] = row[FACE + n]
         row[COUNT] = n - 1
+        if alike <= 1:  # what this has made alike can wait
+            return
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
+def hold_cut(row, bins, scratch):
+    """Bring the zones to the cut, which slides may have moved; parts that it left behind are kept for its return."""
+    if row[MADE] == row[START]:
+        return
+    y = cut_at(row[START], bins)
+    enter_zone(row, math.floor(y), int(row[ZONE]) + CELLS // 2, bins, scratch)
+    divide(row, y - row[ZONE], bins)
+    thin_out(row, y - row[ZONE])
+    row[MADE] = row[START]
+
+
+@nb.njit(**BARE)
 def trim(row, cell, bins):
     """Give up faded cells at the ends of the occupied range, outside the zones' cuts; `cell` is cut by q=0."""
     first, last = int(row[FIRST]), int(row[LAST])
@@ -178,7 +214,7 @@ def trim(row, cell, bins):
     row[FIRST], row[LAST] = first, last
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def move_window(row, low, bins):
     """Move the cells by whole blocks so that the window begins at most a block below `low`; what leaves is lost."""
     start = row[START]
@@ -207,6 +243,7 @@ def move_window(row, low, bins):
             cells[i] = 0.0
             cells[i + shift] = x
     row[START] = start - shift * dq
+    row[MADE] -= shift * dq
     row[ZONE] += shift
     if first < last:
         row[FIRST], row[LAST] = first + shift, last + shift
@@ -223,20 +260,23 @@ def move_window(row, low, bins):
         row[Q0], row[Q1], row[Q2] = dq * s0, dq * s1, dq * s2
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def copy_row(row, out):
     """State row into `out`; cells outside the occupied range are zero."""
     first, last = int(row[FIRST]), int(row[LAST])
-    out[:HEADER] = row[:HEADER]
-    out[HEADER : HEADER + first] = 0.0
-    out[HEADER + first : HEADER + last] = row[HEADER + first : HEADER + last]
-    out[HEADER + last :] = 0.0
+    for i in range(HEADER):
+        out[i] = row[i]
+    for i in range(HEADER, HEADER + first):
+        out[i] = 0.0
+    for i in range(HEADER + first, HEADER + last):
+        out[i] = row[i]
+    for i in range(HEADER + last, row.size):
+        out[i] = 0.0
 
 
-@nb.njit(**FAST)
+@nb.njit(**BARE)
 def slide_sites(state, out, copy, displacement, low, bins):
-    """Carry the heads of all sites by `displacement` [reach]: `state` to `out`."""
-    scratch = np.empty((3, PARTS + CELLS))
+    """Carry the heads of all sites by `displacement` [reach]: `state` to `out`. The zones follow in the next step."""
     for site in range(state.shape[0]):
         row = out[site]
         if copy:
@@ -249,10 +289,3 @@ def slide_sites(state, out, copy, displacement, low, bins):
         row[Q2] += D * (2.0 * q1 + D * q0)
         row[START] += D
         move_window(row, low, bins)
-        y = cut_at(row[START], bins)
-        cell = math.floor(y)
-        # Parts that the new cut does not need are kept: it may come back.
-        enter_zone(row, cell, int(row[ZONE]) + CELLS // 2, bins, scratch)
-        divide(row, y - row[ZONE], bins)
-        thin_out(row, y - row[ZONE])
-        row[FIRST], row[LAST] = min(int(row[FIRST]), cell), max(int(row[LAST]), cell + bins + 1)
