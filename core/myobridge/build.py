@@ -93,6 +93,37 @@ def _apply_effects(said: Mapping[str, Declaration], values: dict[str, Any], effe
             values[key] = item.on
 
 
+def _record(
+    registry: Registry, cls: type[Any], table: Any, effects: Collection[str] | None, folder: Path | None
+) -> Any:
+    """Instance of a class of declared parameters that is no plugin."""
+    said = declared(cls)
+    if not isinstance(table, Mapping):
+        raise ParameterError("", f"is {table!r}; expected a table with {', '.join(said)}")
+    values = dict(table)
+    for key in values:
+        if key not in said:
+            raise ParameterError(key, f"is unknown. {nearest(key, said)}")
+    if effects is not None:
+        _apply_effects(said, values, effects)
+    for key, item in said.items():
+        if key in values:
+            values[key] = _value(registry, key, item, values[key], effects, folder)
+        elif _required(cls, key):
+            raise ParameterError(key, f"is missing; expected {item.allowed()}: {item.doc}")
+    return cls(**values)
+
+
+def _item(
+    registry: Registry, item: Declaration, value: Any, effects: Collection[str] | None, folder: Path | None
+) -> Any:
+    """One entry of a list of plugins or records."""
+    if item.kind == "parts":
+        return _value(registry, "", attrs.evolve(item, kind="part"), value, effects, folder)
+    assert item.record is not None
+    return value if isinstance(value, item.record) else _record(registry, item.record, value, effects, folder)
+
+
 def _value(
     registry: Registry,
     key: str,
@@ -111,6 +142,17 @@ def _value(
             return build(registry, item.family, table, effects, folder)
         except ParameterError as error:
             raise ParameterError(f"{key}.{error.key}", error.problem) from None
+    if item.kind in ("parts", "records"):
+        if not isinstance(value, list | tuple):
+            raise ParameterError(key, f"is {value!r}; expected {item.allowed()}")
+        built = []
+        for index, entry in enumerate(value):
+            try:
+                built.append(_item(registry, item, entry, effects, folder))
+            except ParameterError as error:
+                inner = error.key.strip(".")
+                raise ParameterError(f"{key}[{index}]" + (f".{inner}" if inner else ""), error.problem) from None
+        return tuple(built)
     if item.kind == "file" and isinstance(value, str) and folder is not None:
         return str(folder / value)
     return value

@@ -19,7 +19,12 @@ from myobridge.interfaces import (
     ContinuationStrategy,
     CouplingScheme,
     CrossBridgeModel,
+    Fibres,
+    LinearSolver,
+    Load,
     MacroSolid,
+    Material,
+    MeshSource,
     Overlap,
     SarcomereDensity,
     Signal,
@@ -77,6 +82,31 @@ def myobridge_sarcomere_densities() -> Mapping[str, type[SarcomereDensity]]:  # 
     """Sarcomere densities by short name."""
 
 
+@hookspec
+def myobridge_materials() -> Mapping[str, type[Material]]:  # pyright: ignore[reportReturnType]
+    """Passive laws of tissue by short name."""
+
+
+@hookspec
+def myobridge_meshes() -> Mapping[str, type[MeshSource]]:  # pyright: ignore[reportReturnType]
+    """Sources of meshes by short name."""
+
+
+@hookspec
+def myobridge_fibres() -> Mapping[str, type[Fibres]]:  # pyright: ignore[reportReturnType]
+    """Fields of fibre directions by short name."""
+
+
+@hookspec
+def myobridge_loads() -> Mapping[str, type[Load]]:  # pyright: ignore[reportReturnType]
+    """Loads on named boundaries by short name."""
+
+
+@hookspec
+def myobridge_linear_solvers() -> Mapping[str, type[LinearSolver]]:  # pyright: ignore[reportReturnType]
+    """Linear solvers by short name."""
+
+
 @attrs.frozen
 class Family:
     """A kind of plugin: its hook, the interface that every member implements, what it is in words."""
@@ -99,5 +129,10 @@ FAMILIES: Mapping[str, Family] = {
         Family("calcium", "myobridge_calcium_kinetics", ActivationKinetics, "calcium kinetics"),
         Family("overlap", "myobridge_overlaps", Overlap, "filament overlap"),
         Family("sarcomere_density", "myobridge_sarcomere_densities", SarcomereDensity, "sarcomere density"),
+        Family("material", "myobridge_materials", Material, "passive law of the tissue"),
+        Family("mesh", "myobridge_meshes", MeshSource, "source of a mesh"),
+        Family("fibres", "myobridge_fibres", Fibres, "field of fibre directions"),
+        Family("load", "myobridge_loads", Load, "load on a boundary"),
+        Family("linear_solver", "myobridge_linear_solvers", LinearSolver, "linear solver"),
     )
 }

@@ -36,6 +36,8 @@ __all__ = [
     "numbers",
     "optional_effects",
     "part",
+    "parts",
+    "records",
     "text",
 ]
 
@@ -78,6 +80,7 @@ class Declaration:
     family: str = ""
     effect: str = ""
     on: Any = None
+    record: type[Any] | None = None
 
     def allowed(self) -> str:
         """What may be given, in words."""
@@ -91,6 +94,10 @@ class Declaration:
             said = "one of " + ", ".join(self.choices)
         if self.kind == "part":
             said = f"a table naming a plugin of family '{self.family}'"
+        if self.kind == "parts":
+            said = f"a list of tables, each naming a plugin of family '{self.family}'"
+        if self.kind == "records" and self.record is not None:
+            said = f"a list of tables with {', '.join(declared(self.record))}"
         if self.within is not None:
             said += f" in {self.within.text}"
         return said + (f" [{self.unit}]" if self.unit != "-" else "")
@@ -116,7 +123,7 @@ def number(
     effect: str = "",
     on: Any = None,
 ) -> Any:
-    """Finite real number in `within`, in `unit`; may be None where the default is None."""
+    """Real number in `within`; infinite only where that ends with ``inf]``; may be None where the default is None."""
     said = Declaration("number", doc, unit, Interval(within), effect=effect, on=on)
     return _field(default, said, lambda key, value: _real(key, value, said))
 
@@ -205,6 +212,22 @@ def part(family: str, default: Any = _REQUIRED, *, doc: str, effect: str = "", o
     return _field(default, Declaration("part", doc, family=family, effect=effect, on=on), lambda key, value: value)
 
 
+def parts(family: str, *, doc: str) -> Any:
+    """Any number of plugins of `family`; in a scene a list of tables, ``[[load]]`` and the like. Default: none."""
+    return _field((), Declaration("parts", doc, family=family), lambda key, value: _listed(key, value))
+
+
+def records(cls: type[Any], *, doc: str) -> Any:
+    """Any number of instances of `cls`, a frozen class of declared parameters that is no plugin. Default: none."""
+    return _field((), Declaration("records", doc, record=cls), lambda key, value: _listed(key, value))
+
+
+def _listed(key: str, value: Any) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple):
+        raise ParameterError(key, f"is {value!r}; expected a list")
+    return tuple(value)
+
+
 def _real(key: str, value: Any, said: Declaration) -> float:
     if isinstance(value, bool) or (not isinstance(value, int | float) and not hasattr(value, "__float__")):
         raise ParameterError(key, f"is {value!r}; expected {said.allowed()}")
@@ -212,7 +235,9 @@ def _real(key: str, value: Any, said: Declaration) -> float:
         result = float(value)
     except (TypeError, ValueError, OverflowError):  # an array, or a whole number beyond all floats
         raise ParameterError(key, f"is {value!r}; expected {said.allowed()}") from None
-    if not math.isfinite(result) or (said.within is not None and result not in said.within):
+    closed = said.within is not None and math.isinf(said.within.high) and said.within.text.strip().endswith("]")
+    finite = math.isfinite(result) or (closed and result == math.inf)
+    if not finite or (said.within is not None and result not in said.within):
         raise ParameterError(key, f"is {value!r}; expected {said.allowed()}")
     return result
 

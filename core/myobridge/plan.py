@@ -184,6 +184,8 @@ def _supplied(section: str, part: Any) -> frozenset[str]:
         inner = getattr(part, name, None)
         if item.kind == "part" and inner is not None:
             effects |= _supplied("", inner)
+        if item.kind in ("parts", "records"):
+            effects |= frozenset().union(*(_supplied("", entry) for entry in inner or ()))
     if section == "integrator" and cls.inertia:
         effects |= {"inertia"}
     return effects

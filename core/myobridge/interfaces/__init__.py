@@ -9,8 +9,12 @@ from myobridge.interfaces.continuation import (
 )
 from myobridge.interfaces.coupling import CouplingScheme
 from myobridge.interfaces.cross_bridge import CrossBridgeModel, Fluxes, Promises
-from myobridge.interfaces.fibre import Overlap, SarcomereDensity
-from myobridge.interfaces.macro_solid import Balance, MacroSolid, Matrix, Motion
+from myobridge.interfaces.fibre import Fibres, Overlap, SarcomereDensity
+from myobridge.interfaces.linear_solver import Factorisation, LinearSolver, LinearSystem
+from myobridge.interfaces.load import Load, Surface
+from myobridge.interfaces.macro_solid import Balance, MacroSolid, Matrix, Motion, VisibleMesh
+from myobridge.interfaces.material import Material, MaterialFunctions
+from myobridge.interfaces.mesh import MeshSource
 from myobridge.interfaces.signal import ActivationKinetics, Signal
 from myobridge.interfaces.time_integrator import Memory, StepReport, StepResult, TimeIntegrator
 
@@ -25,11 +29,19 @@ __all__ = [
     "ContinuationStrategy",
     "CouplingScheme",
     "CrossBridgeModel",
+    "Factorisation",
+    "Fibres",
     "Fluxes",
     "LawValue",
+    "LinearSolver",
+    "LinearSystem",
+    "Load",
     "MacroSolid",
+    "Material",
+    "MaterialFunctions",
     "Matrix",
     "Memory",
+    "MeshSource",
     "Motion",
     "Overlap",
     "PathPoint",
@@ -38,5 +50,7 @@ __all__ = [
     "Signal",
     "StepReport",
     "StepResult",
+    "Surface",
     "TimeIntegrator",
+    "VisibleMesh",
 ]

@@ -1,13 +1,32 @@
-"""Fibre properties that several models and solids share: filament overlap and sarcomere density."""
+"""Fibre properties that several models and solids share: filament direction, filament overlap, sarcomere density."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from myobridge.interfaces.active_law import Array
 
-__all__ = ["Overlap", "SarcomereDensity"]
+if TYPE_CHECKING:
+    from skfem import Mesh  # pyright: ignore[reportMissingTypeStubs]
+
+__all__ = ["Fibres", "Overlap", "SarcomereDensity"]
+
+
+class Fibres(ABC):
+    """Reference direction of the muscle fibres."""
+
+    summary: ClassVar[str] = ""
+
+    @abstractmethod
+    def directions(self, mesh: Mesh, points: Array) -> Array:
+        """Unit vectors at the local coordinates `points` (dim, n_points) of every cell; (n_cells, n_points, dim).
+
+        Raises
+        ------
+        ParameterError
+            If a boundary that is named does not exist, or a direction is undefined somewhere.
+        """
 
 
 class Overlap(ABC):

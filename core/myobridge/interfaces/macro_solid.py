@@ -22,7 +22,7 @@ import numpy as np
 
 from myobridge.interfaces.active_law import ActiveLaw, Array
 
-__all__ = ["Balance", "MacroSolid", "Matrix", "Motion"]
+__all__ = ["Balance", "MacroSolid", "Matrix", "Motion", "VisibleMesh"]
 
 Matrix = Any
 """A dense ndarray or a scipy sparse array."""
@@ -59,11 +59,15 @@ class Balance(NamedTuple):
     damping : matrix or None
         d force / d velocity [N s/m]; None when nothing depends on the rate.
     constraint : ndarray, shape (n_constraints,), or None
-        Residual of the constraint.
-    constraint_gradient, constraint_compliance : matrix or None
-        d constraint / d displacement and d constraint / d multiplier.
+        Residual of the constraint; `force` holds the gradient's transpose times the multiplier.
+    constraint_gradient : matrix, shape (n_constraints, n_unknowns), or None
+        d constraint / d displacement.
+    constraint_compliance : matrix, shape (n_constraints, n_constraints), or None
+        Minus d constraint / d multiplier, positive semi-definite; None where it is zero.
     magnitude : float
         Norm of the terms that cancel in `force` [N]: a force below their round-off is zero to the solver.
+    symmetric : bool
+        Whether stiffness is symmetric; follower loads are not.
     """
 
     force: Array
@@ -73,6 +77,18 @@ class Balance(NamedTuple):
     constraint_gradient: Matrix | None = None
     constraint_compliance: Matrix | None = None
     magnitude: float = 0.0
+    symmetric: bool = True
+
+
+class VisibleMesh(NamedTuple):
+    """What a body looks like: nodes, cells, and meshio's word for the kind of cell (``triangle6``, ``tetra10`` ...).
+
+    `points` is (n_points, 3) [m], `cells` (n_cells, nodes of a cell) in the order of that kind.
+    """
+
+    points: Array
+    cells: Any
+    kind: str
 
 
 class MacroSolid(ABC):
@@ -181,6 +197,33 @@ class MacroSolid(ABC):
     def site_positions(self) -> Array:
         """Reference position of the sites [m], shape (n_sites, dimension)."""
         return np.zeros((self.n_sites, 1))
+
+    @property
+    def multiplier_scale(self) -> float:
+        """Unit of a multiplier per unit of displacement, such as modulus by length [Pa/m], that balances the tangent.
+
+        A solver takes ``multiplier / scale`` as unknown and ``scale * constraint`` as equation.
+        """
+        return 1.0
+
+    def rigid_motions(self) -> Array | None:
+        """Translations and rotations restricted to the unknowns, (n_unknowns, k); None where no solver needs them."""
+        return None
+
+    def visible_mesh(self) -> VisibleMesh | None:
+        """Mesh for pictures and files; None for a solid without a shape."""
+        return None
+
+    def visible_fields(self, motion: Motion, time: float) -> Mapping[str, Array]:
+        """Fields on the visible mesh: (n_points, 3) or (n_points,) at nodes, or (n_cells, ...) on cells.
+
+        ``displacement`` [m] is there, and what else the solid knows: ``pressure`` [Pa], ``stretch``, ``fibre``, ``J``.
+        """
+        return {}
+
+    def on_cells(self, values: Array) -> Array:
+        """Mean over each visible cell of `values` at the sites, (n_sites,) -> (n_cells,); NaN without sites."""
+        return values
 
     def jumps(self) -> tuple[float, ...]:
         """Times [s] at which a load or a prescribed stretch has a jump or a kink; steps end there."""

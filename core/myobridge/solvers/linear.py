@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from myobridge.interfaces import Array, MacroSolid, Matrix
+from myobridge.interfaces import Array, LinearSystem, MacroSolid, Matrix
 
-__all__ = ["SingularMatrix", "add_scaled", "bordered", "mass_solver", "solve", "times"]
+__all__ = ["SingularMatrix", "add_scaled", "bordered", "mass_solver", "saddle", "solve", "times"]
 
 
 class SingularMatrix(ArithmeticError):
@@ -87,3 +87,17 @@ def mass_solver(solid: MacroSolid) -> Callable[[Array], Array]:
     import scipy.sparse.linalg as sparse_linalg
 
     return sparse_linalg.splu(sparse.csc_array(mass)).solve
+
+
+def saddle(system: LinearSystem) -> Matrix:
+    """The whole matrix of a system: dense where its stiffness is dense and alone, else a sparse array (CSC)."""
+    if system.gradient is None or system.transposed_gradient is None:
+        return system.stiffness
+    import scipy.sparse as sparse
+
+    compliance = None if system.compliance is None else -sparse.csr_array(system.compliance)
+    upper = [sparse.csr_array(system.stiffness), sparse.csr_array(system.transposed_gradient.T)]
+    if compliance is None:
+        n = system.n_constraints
+        compliance = sparse.csr_array((n, n))
+    return sparse.block_array([upper, [sparse.csr_array(system.gradient), compliance]], format="csc")

@@ -1,0 +1,115 @@
+r"""Linear solver: the systems of Newton's method, plain or with a constraint.
+
+.. math:: \begin{pmatrix} K & B_1^T \\ B_2 & -C \end{pmatrix} \begin{pmatrix} x_u \\ x_p \end{pmatrix} = b
+
+`K` stiffness, `B` gradient of the constraint (two of them where force and constraint are taken at different points of a
+step), `C` compliance of the constraint, zero for strict incompressibility.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import attrs
+
+from myobridge.interfaces.active_law import Array
+from myobridge.interfaces.macro_solid import Matrix
+
+if TYPE_CHECKING:
+    from myobridge.solvers.inertia import Inertia
+
+__all__ = ["Factorisation", "LinearSolver", "LinearSystem"]
+
+
+@attrs.frozen(eq=False)
+class LinearSystem:
+    """System of one field or two.
+
+    Attributes
+    ----------
+    stiffness : matrix, shape (n_u, n_u)
+        K, dense or sparse.
+    transposed_gradient, gradient : matrix, shape (n_p, n_u), or None
+        B_1, whose transpose acts on the multipliers, and B_2; None for one field.
+    compliance : matrix, shape (n_p, n_p), or None
+        C, positive semi-definite; None where it is zero.
+    rigid_motions : ndarray, shape (n_u, k), or None
+        Displacements that deform nothing, restricted to the unknowns: what algebraic multigrid must know.
+    symmetric : bool
+        Whether the matrix is symmetric.
+    """
+
+    stiffness: Matrix
+    transposed_gradient: Matrix | None = None
+    gradient: Matrix | None = None
+    compliance: Matrix | None = None
+    rigid_motions: Array | None = None
+    symmetric: bool = True
+
+    @property
+    def n_unknowns(self) -> int:
+        """Displacements and multipliers."""
+        return self.stiffness.shape[0] + (0 if self.gradient is None else self.gradient.shape[0])
+
+    @property
+    def n_constraints(self) -> int:
+        """Multipliers: a stable state has exactly as many negative eigenvalues."""
+        return 0 if self.gradient is None else self.gradient.shape[0]
+
+    def matrix(self) -> Any:
+        """The whole matrix: dense where K is dense and alone, else a sparse array (CSC)."""
+        from myobridge.solvers.linear import saddle
+
+        return saddle(self)
+
+    def times(self, vector: Array) -> Array:
+        """Product with a vector, without forming the matrix."""
+        import numpy as np
+
+        n = self.stiffness.shape[0]
+        upper = self.stiffness @ vector[:n]
+        if self.gradient is None or self.transposed_gradient is None:
+            return upper
+        lower = self.gradient @ vector[:n]
+        if self.compliance is not None:
+            lower = lower - self.compliance @ vector[n:]
+        return np.concatenate([upper + self.transposed_gradient.T @ vector[n:], lower])
+
+
+class Factorisation(ABC):
+    """What a solver prepared for one matrix."""
+
+    @abstractmethod
+    def solve(self, vector: Array, tolerance: float = 1e-12) -> Array:
+        """Solution to the relative residual `tolerance`; direct solvers do what they can and check.
+
+        Raises
+        ------
+        UnsolvedSystem
+            If the residual is not reached; never a wrong answer.
+        """
+
+    def inertia(self) -> Inertia | None:
+        """Signs of the eigenvalues where the factorisation knows them; None where it does not."""
+        return None
+
+
+class LinearSolver(ABC):
+    """Abstract linear solver; its settings are the attributes of a frozen class."""
+
+    summary: ClassVar[str] = ""
+
+    @abstractmethod
+    def factorise(self, system: LinearSystem) -> Factorisation:
+        """Prepare for solves with one matrix.
+
+        Raises
+        ------
+        SingularMatrix
+            If it has no inverse.
+        """
+
+    def obstacle(self) -> str:
+        """Why the solver cannot be used on this machine (a package that is missing); empty where it can."""
+        return ""
