@@ -20,7 +20,7 @@ __all__ = ["Load", "Surface"]
 
 @attrs.frozen(eq=False)
 class Surface:
-    r"""Facets of a named boundary; ``dim`` is 2 (edges, per metre of depth) or 3 (faces).
+    r"""Facets of a named boundary; ``dim`` is 2 (edges of a body of some thickness) or 3 (faces).
 
     Attributes
     ----------
@@ -36,7 +36,9 @@ class Surface:
     weights : ndarray, shape (n_points,)
         Quadrature weights on the reference facet.
     areas : ndarray, shape (n_facets, n_points)
-        Reference area [m^2] (2D: length [m]) that each point stands for; sums to the area of the boundary.
+        Reference area [m^2] that each point stands for (2D: length times thickness); sums to the area of the boundary.
+    thickness : float
+        Depth of a 2D body [m]; 1 in 3D.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Surface:
     slopes: Array
     weights: Array
     areas: Array
+    thickness: float = 1.0
 
     @property
     def dimension(self) -> int:
@@ -67,7 +70,7 @@ class Load(ABC):
 
     @abstractmethod
     def force(self, surface: Surface, displacement: Array, time: float) -> Array:
-        """Nodal forces [N] (2D: per metre of depth) at `displacement` (n_facets, n_nodes, dim) [m]; same shape.
+        """Nodal forces [N] at `displacement` (n_facets, n_nodes, dim) [m]; same shape.
 
         Raises
         ------
