@@ -9,6 +9,7 @@ point carries its iteration count and the inertia of its tangent, so that an uns
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 import attrs
@@ -51,6 +52,13 @@ class ContinuationProblem(ABC):
         """Weight of each unknown in the length of a change, so that units can be mixed; 0 leaves a multiplier out."""
         return 1.0
 
+    def softened(self, bulk_modulus: float) -> ContinuationProblem | None:
+        """The same problem, with the same unknowns, of a tissue whose bulk modulus [Pa] is at most this.
+
+        None where there is no bulk modulus to lower.
+        """
+        return None
+
 
 @attrs.frozen(eq=False)
 class PathPoint:
@@ -72,10 +80,40 @@ class ContinuationPath:
 
 
 class ContinuationStrategy(ABC):
-    """Abstract strategy; step sizes and limits are the attributes of a frozen class."""
+    """Abstract strategy; step sizes and limits are the attributes of a frozen class.
+
+    Class attributes
+    ----------------
+    summary : str
+        One line for ``myobridge plugins``.
+    softens : bool
+        Whether it asks the problem for softer ones (`ContinuationProblem.softened`).
+    """
 
     summary: ClassVar[str] = ""
+    softens: ClassVar[bool] = False
 
     @abstractmethod
-    def trace(self, problem: ContinuationProblem, start: Array) -> ContinuationPath:
-        """Follow the path from `start` at level 0 to level 1, keeping every accepted point."""
+    def trace(
+        self,
+        problem: ContinuationProblem,
+        start: Array,
+        *,
+        stops: Sequence[float] = (),
+        watch: Callable[[PathPoint], object] | None = None,
+        earlier: Sequence[PathPoint] = (),
+    ) -> ContinuationPath:
+        """Follow the path from `start` at level 0 to level 1, keeping every accepted point.
+
+        Parameters
+        ----------
+        start : ndarray, shape (n_unknowns,)
+            Where the equilibrium at level 0 is sought.
+        stops : sequence of float
+            Levels in (0, 1), rising, at which a point of the path must lie exactly, each the first time it is reached.
+        watch : callable, optional
+            Told every point as soon as it is accepted; what it raises ends the tracing.
+        earlier : sequence of PathPoint
+            Last points of a path that ended early, in order, to be continued: `start` is not looked at, the answer
+            begins with them, and `watch` is told new ones only. Two of them tell the direction of the path.
+        """

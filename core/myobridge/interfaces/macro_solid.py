@@ -67,7 +67,9 @@ class Balance(NamedTuple):
     magnitude : float
         Norm of the terms that cancel in `force` [N]: a force below their round-off is zero to the solver.
     symmetric : bool
-        Whether stiffness is symmetric; follower loads are not.
+        Whether stiffness (and damping) is symmetric; follower loads are not.
+    constraint_magnitude : float
+        Norm of the terms that cancel in `constraint`, in its unit: of the volumes that J and 1 stand for, say.
     """
 
     force: Array
@@ -78,6 +80,7 @@ class Balance(NamedTuple):
     constraint_compliance: Matrix | None = None
     magnitude: float = 0.0
     symmetric: bool = True
+    constraint_magnitude: float = 0.0
 
 
 class VisibleMesh(NamedTuple):
@@ -169,6 +172,18 @@ class MacroSolid(ABC):
     def external_force(self, displacement: Array, time: float) -> Array:
         """External force [N], shape (n_unknowns,)."""
         return np.zeros(self.n_unknowns)
+
+    def external_stiffness(self, displacement: Array, time: float) -> Matrix | None:
+        """Minus d external force / d displacement [N/m], the share of it in `Balance.stiffness`; None for dead loads."""
+        return None
+
+    def supported_load(self, time: float) -> Mapping[str, Array]:
+        """External force on what a support holds [N], by the support's name: it is in `reactions`, and in no balance."""
+        return {}
+
+    def softened(self, bulk_modulus: float) -> MacroSolid | None:
+        """The same solid, with the same unknowns, whose bulk modulus [Pa] is at most this; None where it has none."""
+        return None
 
     def admissible(self, displacement: Array) -> bool:
         """Whether the displacement is physically possible (J > 0, stretch > 0); Newton backtracks until it is."""
