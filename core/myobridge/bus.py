@@ -77,6 +77,7 @@ class CouplingBus:
         self.model = model
         self.n_sites = n_sites
         self.scale = np.full(n_sites, model.p_max) if density is None else model.p_max * density
+        self._density = density
         self._volumes = site_volumes
         self._energy_scale = site_volumes * self.scale
         self._stimulation = Stimulation(n_sites, activation, kinetics)
@@ -213,6 +214,13 @@ class CouplingBus:
     def activation(self) -> Array:
         """Activation r that last acted [-], shape (n_sites,)."""
         return self._r
+
+    def fields(self) -> dict[str, Array]:
+        """Tension [Pa], and activation and sarcomere density where the scene has them; each (n_sites,)."""
+        found = {"tension": self.tension}
+        if not self._stimulation.constant:
+            found["activation"] = self._r
+        return found if self._density is None else found | {"sarcomere_density": self._density}
 
     def moments(self) -> Array:
         """Moments Q0, Q1, Q2 of the committed population, shape (n_sites, 3)."""

@@ -171,7 +171,7 @@ def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
 
 def _check_record(scene: Scene, simulation: Simulation) -> None:
     try:
-        scene.record.columns(simulation)
+        scene.record.check(simulation, round(scene.duration / scene.step))
     except ParameterError as error:
         raise ParameterError(f"record.{error.key}", error.problem) from None
 

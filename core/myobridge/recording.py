@@ -2,39 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
 import numpy as np
 
 from myobridge.errors import ParameterError, nearest
-from myobridge.interfaces import Array
+from myobridge.field_recording import FieldRecorder, check_fields
+from myobridge.fields import FieldSnapshot
+from myobridge.interfaces import Array, MacroSolid
 from myobridge.parameters import integer, number, numbers
+from myobridge.quantities import QUANTITIES, sources
 from myobridge.simulation import Simulation
 
 __all__ = ["QUANTITIES", "DensitySnapshot", "Record", "Recorder"]
 
-QUANTITIES: Mapping[str, str] = {
-    "stretch": "fibre stretch at the sites [-]",
-    "stretch_rate": "its rate [1/s]",
-    "tension": "nominal active stress of the mechanics stage [Pa]",
-    "activation": "activation at the sites [-]",
-    "moments": "Q0, Q1, Q2 of the population",
-    "energy": "every entry of the ledger [J]",
-    "reactions": "force of each support on the solid [N]",
-    "displacement": "free displacements of the solid [m]",
-    "momentum": "linear and angular momentum of the solid",
-}
-_DEFAULT = ("stretch", "stretch_rate", "tension", "activation", "moments", "energy", "reactions")
+_AT_SITES = ("stretch", "stretch_rate", "tension", "activation", "moments")
+# A row for each site is for springs and small bodies; of a large one it would fill the memory.
+_MANY_SITES = 1000
 
 
-def _quantities(value: Any) -> tuple[str, ...]:
+def _quantities(value: Any) -> tuple[str, ...] | None:
+    if value is None:
+        return None
     if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
         raise ParameterError("quantities", f"is {value!r}; expected a list of names. {nearest('', QUANTITIES)}")
     for item in value:
         if item not in QUANTITIES:
             raise ParameterError("quantities", f"has no '{item}'. {nearest(item, QUANTITIES)}")
+    return tuple(value)
+
+
+def _fields(value: Any) -> tuple[str, ...] | None:
+    if value is None:
+        return None
+    if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
+        raise ParameterError("fields", f"is {value!r}; expected a list of names, such as ['tension', 'stretch']")
     return tuple(value)
 
 
@@ -57,32 +61,61 @@ class Record:
     ----------
     every : int
         Steps from one row to the next; the first and the last state are always rows.
-    quantities : sequence of str
-        Out of `QUANTITIES`.
+    quantities : sequence of str, optional
+        Out of `QUANTITIES`. Without: energy and reactions, and stretch, its rate, tension, activation and moments of
+        the kept sites where they are at most 1000; of a solid with more sites, the `summary` too.
     sites : sequence of int, optional
         Sites to keep; all without.
     points : sequence of float, optional
         Keep the sites nearest to these reference positions along the first axis [m] instead.
     density_at : sequence of float
         Times at which the attached fraction over displacement is kept; steps end there.
+    fields : sequence of str, optional
+        Fields that are kept of a solid with a shape, out of `myobridge.fields.FIELDS` and what the solid adds; all that
+        exist without, none when empty. Displacement always is with them.
+    fields_every : int
+        Steps between two states whose fields are kept; the first and the last always are. 0: evenly spread, 40 states
+        and the last at most, however long the run.
     checkpoint_every : float
         Seconds of computing from one complete file on disk to the next.
     """
 
     every: int = integer(1, within="[1, inf)", doc="steps from one row to the next")
-    quantities: tuple[str, ...] = attrs.field(default=_DEFAULT, converter=_quantities)
+    quantities: tuple[str, ...] | None = attrs.field(default=None, converter=_quantities)
     sites: tuple[int, ...] | None = attrs.field(default=None, converter=_indices)
     points: tuple[float, ...] | float | None = numbers(None, unit="m", doc="keep the sites nearest to these positions")
     density_at: tuple[float, ...] | float = numbers(
         (), unit="s", within="[0, inf)", doc="times at which the density is kept"
     )
+    fields: tuple[str, ...] | None = attrs.field(default=None, converter=_fields)
+    fields_every: int = integer(0, doc="steps between kept states of a body; 0: at most 40, evenly spread")
     checkpoint_every: float = number(30.0, unit="s", within="(0, inf)", doc="computing time between files")
 
-    def columns(self, simulation: Simulation) -> np.ndarray:
+    def wanted(self, solid: MacroSolid) -> tuple[str, ...]:
+        """Quantities that are kept of this solid."""
+        if self.quantities is not None:
+            return self.quantities
+        n_sites = solid.n_sites
+        kept = n_sites if self.sites is None and self.points is None else len(self.columns(solid))
+        at_sites = _AT_SITES if kept <= _MANY_SITES else ()
+        return (*at_sites, *(("summary",) if n_sites > _MANY_SITES else ()), "energy", "reactions")
+
+    def check(self, simulation: Simulation, steps: int) -> None:
+        """Whether what is asked for exists, and a run of `steps` steps can hold the fields.
+
+        Raises
+        ------
+        ParameterError
+            With the key, what is wrong and what is allowed.
+        """
+        self.columns(simulation.solid)
+        check_fields(self.fields, self.fields_every, simulation, steps)
+
+    def columns(self, solid: MacroSolid) -> np.ndarray:
         """Indices of the sites that are kept."""
-        n_sites = simulation.solid.n_sites
+        n_sites = solid.n_sites
         if self.points is not None:
-            along = simulation.solid.site_positions()[:, 0]
+            along = solid.site_positions()[:, 0]
             self._check_points(along)
             return np.array([int(np.argmin(np.abs(along - point))) for point in np.atleast_1d(self.points)])
         if self.sites is None:
@@ -148,16 +181,24 @@ class Recorder:
 
     def __init__(self, record: Record, simulation: Simulation) -> None:
         self.record = record
-        self.columns = record.columns(simulation)
+        self.columns = record.columns(simulation.solid)
         self.snapshots: list[DensitySnapshot] = []
+        self.body = FieldRecorder(record.fields, record.fields_every, simulation)
         self._rows: dict[str, _Rows] = {}
         self._pending = record.density_times()
         self._last_time = -np.inf
-        self._sources = _sources(record, simulation, self.columns)
+        self._sources = sources(record.wanted(simulation.solid), simulation, self.columns)
         simulation.stop_at([time for time in self._pending if time > 0.0])
 
-    def resume(self, series: Mapping[str, Array], snapshots: Sequence[DensitySnapshot], simulation: Simulation) -> None:
-        """Take over the rows of an earlier run, as far as a run that never stopped would have them."""
+    def resume(
+        self,
+        series: Mapping[str, Array],
+        snapshots: Sequence[DensitySnapshot],
+        fields: Sequence[FieldSnapshot],
+        simulation: Simulation,
+    ) -> None:
+        """Take over the rows and states of an earlier run, as far as a run that never stopped would have them."""
+        self.body.resume(fields, simulation.steps)
         # The last row of an interrupted run may lie between two regular ones.
         extra = series["time"][-1] == simulation.time and simulation.steps % self.record.every != 0
         self._rows = {name: _Rows.of(rows[:-1] if extra else rows) for name, rows in series.items()}
@@ -166,11 +207,12 @@ class Recorder:
         self._pending = [pending for pending in self._pending if not _reached(simulation.time, pending)]
 
     def observe(self, simulation: Simulation, *, last: bool = False) -> None:
-        """Keep a row if it is due, and a density snapshot if its time has come."""
+        """Keep a row and the fields if they are due, and a density snapshot if its time has come."""
         time = simulation.time
         while self._pending and _reached(time, self._pending[0]):
             self._pending.pop(0)
             self._snapshot(simulation)
+        self.body.observe(simulation, last=last)
         due = simulation.steps % self.record.every == 0 or last
         if not due or time == self._last_time:
             return
@@ -195,45 +237,3 @@ class Recorder:
 
 def _reached(time: float, sought: float) -> bool:
     return time >= sought - 1e-9 * max(1.0, time)
-
-
-def _sources(record: Record, simulation: Simulation, columns: np.ndarray) -> list[Callable[[], Mapping[str, Array]]]:
-    """Functions that read the wanted quantities; what nobody wants is not computed."""
-    wanted = set(record.quantities)
-    solid, bus = simulation.solid, simulation.bus
-    sources: list[Callable[[], Mapping[str, Array]]] = [lambda: {"time": np.asarray(simulation.time)}]
-
-    def add(name: str, source: Callable[[], Mapping[str, Array]]) -> None:
-        if name in wanted:
-            sources.append(source)
-
-    add("energy", lambda: {f"energy/{k}": np.asarray(v) for k, v in simulation.ledger.entries().items()})
-    add("displacement", lambda: {"displacement": simulation.motion.displacement})
-    add(
-        "momentum",
-        lambda: {
-            "momentum": solid.momentum(simulation.motion),
-            "angular_momentum": solid.angular_momentum(simulation.motion),
-        },
-    )
-
-    def reactions() -> Mapping[str, Array]:
-        tension = np.zeros(solid.n_sites) if bus is None else bus.tension
-        found = solid.reactions(simulation.motion, tension, simulation.time)
-        return {f"reaction/{name}": value for name, value in found.items()}
-
-    add("reactions", reactions)
-    if bus is None:
-        add("stretch", lambda: {"stretch": solid.stretch(simulation.motion.displacement, simulation.time)[columns]})
-        return sources
-    add("stretch", lambda: {"stretch": bus.stretch[columns]})
-    add("stretch_rate", lambda: {"stretch_rate": bus.stretch_rate[columns]})
-    add("tension", lambda: {"tension": bus.tension[columns]})
-    add("activation", lambda: {"activation": bus.activation[columns]})
-
-    def moments() -> Mapping[str, Array]:
-        found = bus.moments()[columns]
-        return {f"Q{k}": found[:, k] for k in range(found.shape[1])}
-
-    add("moments", moments)
-    return sources

@@ -1,7 +1,8 @@
 """Results: one HDF5 file that opens while the run goes on, after a kill, and to continue from.
 
 Layout: ``/series`` (one row a recorded step, one column a site), ``/density`` (snapshots), ``/scene`` (the TOML),
-``/provenance`` (versions, plugins), ``/checkpoint`` (everything that the next step depends on).
+``/provenance`` (versions, plugins), ``/checkpoint`` (everything that the next step depends on). The fields of a body
+are in ``/VTKHDF``, so that the same file opens in ParaView.
 """
 
 from __future__ import annotations
@@ -18,11 +19,13 @@ import numpy as np
 
 from myobridge.bus import BusState
 from myobridge.errors import MyobridgeError, nearest
-from myobridge.interfaces import Array, Motion
+from myobridge.fields import FieldSnapshot
+from myobridge.interfaces import Array, Motion, VisibleMesh
 from myobridge.ledger import Ledger
 from myobridge.recording import DensitySnapshot
 from myobridge.simulation import Simulation
 from myobridge.step_control import StepControl
+from myobridge.vtkhdf import read_body, write_body
 
 __all__ = ["Checkpoint", "Result", "check_writable", "provenance"]
 
@@ -104,7 +107,14 @@ def provenance(plugins: Mapping[str, str]) -> dict[str, str]:
 
 @attrs.frozen(eq=False)
 class Result:
-    """What a run left: series, density snapshots, scene, provenance, checkpoint.
+    """What a run left: series, density snapshots, scene, provenance, checkpoint, and the fields of a body.
+
+    Attributes
+    ----------
+    mesh : VisibleMesh or None
+        Undeformed body; None for a solid without a shape.
+    fields : tuple of FieldSnapshot
+        Its kept states: ``result.fields[-1]["tension"]``.
 
     Examples
     --------
@@ -118,6 +128,8 @@ class Result:
     provenance: Mapping[str, str]
     checkpoint: Checkpoint
     sites: Array
+    mesh: VisibleMesh | None = None
+    fields: tuple[FieldSnapshot, ...] = ()
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.series:
@@ -148,6 +160,8 @@ class Result:
                 group.attrs["time"] = snapshot.time
                 group["position"] = snapshot.position
                 group["fraction"] = snapshot.fraction
+            if self.mesh is not None:
+                write_body(file, self.mesh, self.fields)
             file["scene"] = self.scene
             file.create_group("provenance").attrs.update(self.provenance)
             checkpoint = file.create_group("checkpoint")
@@ -187,6 +201,7 @@ class Result:
                     {name: str(value) for name, value in file["provenance"].attrs.items()},
                     Checkpoint({name: value.item() for name, value in file["checkpoint"].attrs.items()}, arrays),
                     np.asarray(file["series"].attrs["sites"]),
+                    *read_body(file),
                 )
         except Exception as error:  # a damaged or a stranger's file may raise anything
             raise MyobridgeError(

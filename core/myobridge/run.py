@@ -132,6 +132,8 @@ class Run:
             self._provenance,
             Checkpoint.take(self.simulation),
             self.recorder.columns,
+            self.recorder.body.mesh,
+            tuple(self.recorder.body.snapshots),
         )
 
     def _keep(self) -> Result:
@@ -214,5 +216,5 @@ def resume(
     scene = Scene.from_toml(earlier.scene, folder=folder, source=f"{path} (scene)", settings=settings)
     continued = start(Plan.of(scene), path if output is None else output)
     earlier.checkpoint.restore(continued.simulation)
-    continued.recorder.resume(earlier.series, earlier.densities, continued.simulation)
+    continued.recorder.resume(earlier.series, earlier.densities, earlier.fields, continued.simulation)
     return continued, scene

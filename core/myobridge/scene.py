@@ -221,7 +221,7 @@ def _record(value: Any) -> Record:
         return value
     if not isinstance(value, Mapping):
         raise ParameterError("record", f"is {value!r}; expected a table")
-    allowed = [*declared(Record), "quantities", "sites"]
+    allowed = [*declared(Record), "quantities", "sites", "fields"]
     for key in value:
         if key not in allowed:
             raise ParameterError(f"record.{key}", f"is unknown. {nearest(key, allowed)}")

@@ -11,6 +11,7 @@ from rich.console import Group
 from rich.markup import escape
 from rich.table import Table
 
+from myobridge.field_recording import stride
 from myobridge.ledger import FLOWS, STORED
 from myobridge.parameters import declared
 from myobridge.plan import Plan
@@ -86,7 +87,13 @@ def sizes_table(plan: Plan) -> Table:
     steps = round(plan.scene.duration / plan.scene.step)
     table.add_row("time", f"{steps:,} steps of {plan.scene.step:g} s")
     record = plan.scene.record
-    table.add_row("record", f"every {record.every:,} steps: {', '.join(record.quantities) or 'time only'}")
+    quantities = record.wanted(solid)
+    table.add_row("record", f"every {record.every:,} steps: {', '.join(quantities) or 'time only'}")
+    mesh = solid.visible_mesh()
+    if mesh is not None and record.fields != ():
+        gap = stride(steps, record.fields_every)
+        names = "all that exist" if record.fields is None else ", ".join(record.fields)
+        table.add_row("fields", f"every {gap:,} steps, on {len(mesh.cells):,} cells: {names}")
     return table
 
 

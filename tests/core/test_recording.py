@@ -50,7 +50,7 @@ def test_only_the_quantities_asked_for(scenes) -> None:
 
 def test_every_quantity_has_rows(scenes) -> None:
     found = sample(scenes["rope"], quantities=sorted(QUANTITIES)).series
-    firsts = {"moments": "Q1", "energy": "energy/elastic", "reactions": "reaction/left"}
+    firsts = {"moments": "Q1", "energy": "energy/elastic", "reactions": "reaction/left", "summary": "mean/tension"}
     for quantity in QUANTITIES:
         assert len(found[firsts.get(quantity, quantity)]) == 21, quantity
 
