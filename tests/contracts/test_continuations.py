@@ -26,6 +26,9 @@ class Watched(mb.ContinuationProblem):
     def negative_eigenvalues(self, unknowns, level):
         return inertia(self.tangent(unknowns, level)).negative - self.n_constraints
 
+    def softened(self, bulk_modulus):
+        return self  # as soft as it can be
+
 
 class Hardening(Watched):
     """u + 20 u^3 = 3 l, with a state at level 0 that has to be found first."""
@@ -187,5 +190,42 @@ def test_a_path_that_ends_early_is_kept_and_says_where_why_and_what_to_try(name)
     assert len(path.points) > 2
 
 
+@pytest.mark.parametrize("kind", [Hardening, Barrier, SlowStart, Lattice])
+@pytest.mark.parametrize("name", STRATEGIES)
+def test_stops_are_points_of_the_path_exactly_and_every_point_is_told_at_once(name, kind):
+    problem, told = kind(), []
+    stops = (1.0 / 3.0, 0.34, 0.9)
+    path = registry().find("continuation", name).cls().trace(problem, problem.start, stops=stops, watch=told.append)
+    assert path.completed, path.reason
+    levels = [point.level for point in path.points]
+    assert set(stops) <= set(levels), "to the last digit"
+    assert np.all(np.diff(levels) > 0.0)
+    assert [id(point) for point in told] == [id(point) for point in path.points]
+
+
+@pytest.mark.parametrize("kind", [Hardening, Lattice, Saddle])
+@pytest.mark.parametrize("name", STRATEGIES)
+def test_a_path_that_was_interrupted_is_continued(name, kind):
+    """Ctrl-C after the third point; the last two points are all that is needed to go on."""
+    strategy, problem, told = registry().find("continuation", name).cls(), kind(), []
+
+    def interrupt(point):
+        told.append(point)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        strategy.trace(problem, problem.start, watch=interrupt)
+    assert 0.0 < told[-1].level < 1.0
+    more = []
+    path = strategy.trace(problem, np.full_like(problem.start, np.nan), earlier=told[1:], watch=more.append)
+    assert path.completed, path.reason
+    assert [id(point) for point in path.points] == [id(point) for point in (*told[1:], *more)]
+    levels = [point.level for point in (*told, *more)]
+    assert np.all(np.diff(levels) > 0.0)
+    whole = strategy.trace(problem, problem.start)
+    np.testing.assert_allclose(path.points[-1].unknowns, whole.points[-1].unknowns, rtol=1e-7, atol=1e-12)
+
+
 def test_something_is_registered():
-    assert {"natural", "arclength"} <= set(STRATEGIES)
+    assert {"natural", "arclength", "two_parameter"} <= set(STRATEGIES)

@@ -76,6 +76,27 @@ def test_natural_ends_at_the_fold_and_never_lands_on_the_other_branch():
         assert "try the strategy 'arclength'" in path.reason
 
 
+@pytest.mark.parametrize("behind", [2, 12])
+def test_arclength_goes_on_backwards_where_the_path_led_backwards(behind):
+    """Between the two folds the level falls: without its direction the path would be retraced."""
+    strategy = Arclength(lowest=-1.0, largest=0.1)
+    whole = strategy.trace(Fold(), Fold.start)
+    falling = next(i for i in range(1, len(whole.points)) if whole.points[i].level < whole.points[i - 1].level) + behind
+    assert whole.points[falling].level < whole.points[falling - 1].level
+    path = strategy.trace(Fold(), Fold.start, earlier=whole.points[falling - 1 : falling + 1])
+    assert path.completed, path.reason
+    assert min(point.level for point in path.points) == pytest.approx(Fold.bottom, abs=5e-3)
+    assert np.all(np.diff([point.unknowns[0] for point in path.points]) > 0.0)
+
+
+def test_a_stop_is_met_once_however_often_the_path_crosses_its_level():
+    path = Arclength(lowest=-1.0, largest=0.1).trace(Fold(), Fold.start, stops=(0.3, 0.7))
+    levels = np.array([point.level for point in path.points])
+    assert list(levels).count(0.3) == list(levels).count(0.7) == 1
+    assert path.points[list(levels).index(0.3)].unknowns[0] < -1.0 / np.sqrt(3.0), "the first time, before the fold"
+    assert np.sum(np.diff(np.sign(levels - 0.3)) != 0.0) >= 3
+
+
 def test_a_path_that_comes_back_is_told():
     path = Arclength().trace(Fold(), Fold.start)
     assert not path.completed

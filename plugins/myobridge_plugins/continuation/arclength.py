@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple, final
 
 import attrs
@@ -13,6 +14,7 @@ from myobridge.interfaces import Array, ContinuationPath, ContinuationProblem, C
 from myobridge.parameters import integer, number
 from myobridge.solvers import SingularMatrix, bordered, newton, solve
 from myobridge_plugins.continuation.equilibrium import accepted, cancelling, equilibrium, length, slope
+from myobridge_plugins.continuation.stops import Watch, keep, next_stop
 
 __all__ = ["Arclength"]
 
@@ -53,7 +55,7 @@ class Arclength(ContinuationStrategy):
     where :math:`F_u` is singular: the level turns, and the path goes on. `U` is the scale of the unknowns: how far the
     full load would move them at the first slope, and, once that is more, the largest distance from the start so far.
 
-    The path ends exactly at level 1. It may be missed by a fold that exceeds level 1 for less than one step.
+    The path meets every stop and ends exactly at level 1; a fold that exceeds one for less than a step may miss it.
     It ends early, and says so, when it comes back to the lowest level, when the step falls below the smallest, or when
     there are too many points.
 
@@ -94,28 +96,38 @@ class Arclength(ContinuationStrategy):
     max_iterations: int = integer(12, within="[1, inf)", doc="Newton iterations of a step")
     tolerance: float = number(1e-10, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
 
-    def trace(self, problem: ContinuationProblem, start: Array) -> ContinuationPath:
-        first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
-        if not first.converged:
-            return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
-        points = [accepted(problem, first.unknowns, 0.0, first.iterations)]
-        ahead = slope(problem, first.unknowns, 0.0)
-        if ahead is None:
+    def trace(
+        self,
+        problem: ContinuationProblem,
+        start: Array,
+        *,
+        stops: Sequence[float] = (),
+        watch: Watch | None = None,
+        earlier: Sequence[PathPoint] = (),
+    ) -> ContinuationPath:
+        points = list(earlier)
+        if not points:
+            first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
+            if not first.converged:
+                return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
+            keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
+        direction = self._first_direction(problem, points)
+        if direction is None:
             return ContinuationPath(
                 tuple(points),
                 False,
-                "at level 0 the tangent is singular, so the path has no direction: hold what moves freely, or start "
-                "from a state that is stretched.",
+                f"at level {points[-1].level:.6g} the tangent is singular, so the path has no direction: hold what "
+                "moves freely, or start from a state that is stretched.",
             )
-        scale = length(problem, ahead)
-        here, direction = np.append(first.unknowns, 0.0), np.append(ahead, 1.0)
+        begin, here = points[0].unknowns, np.append(points[-1].unknowns, points[-1].level)
+        scale = max(length(problem, direction[:-1]), length(problem, here[:-1] - begin))
         step, turns = min(self.step, self.largest), []
         while len(points) < self.max_points:
             metric = self._metric(problem, here.size - 1, scale)
             direction = metric.unit(direction)
             spent = 0
             while True:
-                trial = self._advance(problem, here, direction, step, metric)
+                trial = self._advance(problem, here, direction, step, metric, next_stop(points, stops))
                 spent += trial.iterations
                 if not trial.complaint:
                     break
@@ -128,12 +140,25 @@ class Arclength(ContinuationStrategy):
             if trial.direction[-1] * direction[-1] < 0.0:
                 turns.append(max(level, points[-1].level) if direction[-1] > 0.0 else min(level, points[-1].level))
             here, direction = trial.point, trial.direction
-            points.append(accepted(problem, here[:-1], level, spent))
+            keep(points, accepted(problem, here[:-1], level, spent), watch)
             if level == 1.0:
                 return ContinuationPath(tuple(points), True)
-            scale = max(scale, length(problem, here[:-1] - first.unknowns))
+            scale = max(scale, length(problem, here[:-1] - begin))
             step = min(step * self._growth(trial), self.largest)
         return ContinuationPath(tuple(points), False, self._too_many(points))
+
+    def _first_direction(self, problem: ContinuationProblem, points: list[PathPoint]) -> Array | None:
+        """Direction at the last point: up, or on from the point before; None where there is none."""
+        last = points[-1]
+        ahead = slope(problem, last.unknowns, last.level)
+        if ahead is None:
+            return None
+        direction = np.append(ahead, 1.0)
+        if len(points) > 1:
+            weights = np.append(np.broadcast_to(problem.weights(), ahead.shape), 1.0)
+            came = weights * np.append(last.unknowns - points[-2].unknowns, last.level - points[-2].level)
+            direction *= math.copysign(1.0, float(came @ (weights * direction)))
+        return direction
 
     def _metric(self, problem: ContinuationProblem, n_unknowns: int, scale: float) -> Metric:
         factors = np.full(n_unknowns + 1, 1.0 - self.share)
@@ -146,24 +171,24 @@ class Arclength(ContinuationStrategy):
         return min(max(min(by_iterations, by_turn), 0.5), 2.0)
 
     def _advance(
-        self, problem: ContinuationProblem, here: Array, direction: Array, step: float, metric: Metric
+        self, problem: ContinuationProblem, here: Array, direction: Array, step: float, metric: Metric, stop: float
     ) -> Trial:
-        """One step along the path, or to level 1 where that is nearer."""
+        """One step along the path, or to the level `stop` where that is nearer."""
         guess = here + step * direction
         row = metric.factors * direction
-        at_end = guess[-1] >= 1.0
-        if at_end:
-            guess, row = _at_level_one(here, direction)
+        at_stop = guess[-1] >= stop
+        if at_stop:
+            guess, row = _at_level(stop, here, direction)
         trial = self._correct(problem, guess, row)
-        if not trial.complaint and not at_end and trial.point[-1] > 1.0:
-            # The guess was below 1 and the path is above: cut the chord, correct at level 1.
-            cut = self._correct(problem, *_at_level_one(here, trial.point - here))
+        if not trial.complaint and not at_stop and trial.point[-1] > stop:
+            # The guess was below and the path is above: cut the chord, correct at that level.
+            cut = self._correct(problem, *_at_level(stop, here, trial.point - here))
             trial = cut._replace(iterations=trial.iterations + cut.iterations)
-            at_end = True
+            at_stop = True
         if trial.complaint:
             return trial
-        if at_end:
-            trial.point[-1] = 1.0  # not a last digit beside it
+        if at_stop:
+            trial.point[-1] = stop  # not a last digit beside it
         change = trial.point - here
         if metric.product(change, change) > (2.0 * step) ** 2:
             return trial._replace(complaint="the solution found is too far away, on another branch")
@@ -253,10 +278,10 @@ def _direction(problem: ContinuationProblem, point: Array, row: Array) -> Array:
     return found
 
 
-def _at_level_one(here: Array, change: Array) -> tuple[Array, Array]:
-    """Where the straight line from `here` along `change` meets level 1, and the normal of that plane."""
-    guess = here + change * ((1.0 - here[-1]) / change[-1])
-    guess[-1] = 1.0
+def _at_level(stop: float, here: Array, change: Array) -> tuple[Array, Array]:
+    """Where the straight line from `here` along `change` meets the level `stop`, and the normal of that plane."""
+    guess = here + change * ((stop - here[-1]) / change[-1])
+    guess[-1] = stop
     row = np.zeros(here.size)
     row[-1] = 1.0
     return guess, row

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, final
 
 import attrs
@@ -10,6 +11,7 @@ from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import Array, ContinuationPath, ContinuationProblem, ContinuationStrategy, PathPoint
 from myobridge.parameters import integer, number
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, length, slope
+from myobridge_plugins.continuation.stops import Watch, keep, next_stop
 
 __all__ = ["Natural"]
 
@@ -61,18 +63,29 @@ class Natural(ContinuationStrategy):
     max_iterations: int = integer(20, within="[1, inf)", doc="Newton iterations at one level")
     tolerance: float = number(1e-10, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
 
-    def trace(self, problem: ContinuationProblem, start: Array) -> ContinuationPath:
-        first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
-        if not first.converged:
-            return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
-        points = [accepted(problem, first.unknowns, 0.0, first.iterations)]
-        ahead = slope(problem, first.unknowns, 0.0)
+    def trace(
+        self,
+        problem: ContinuationProblem,
+        start: Array,
+        *,
+        stops: Sequence[float] = (),
+        watch: Watch | None = None,
+        earlier: Sequence[PathPoint] = (),
+    ) -> ContinuationPath:
+        points = list(earlier)
+        if not points:
+            first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
+            if not first.converged:
+                return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
+            keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
+        ahead = slope(problem, points[-1].unknowns, points[-1].level)
         halvings, spent = 0, 0
         while points[-1].level < 1.0:
             here = points[-1]
             step = self.step / 2.0**halvings
+            stop = next_stop(points, stops)
             # A rest smaller than the smallest step is not left over.
-            level = 1.0 if here.level + step > 1.0 - 0.5 * self.smallest else here.level + step
+            level = stop if here.level + step > stop - 0.5 * self.smallest else here.level + step
             found = equilibrium(
                 problem, self._guess(problem, here, ahead, level), level, self.tolerance, self.max_iterations
             )
@@ -84,7 +97,7 @@ class Natural(ContinuationStrategy):
                 checks, reason = self._way_back(problem, here, found.unknowns, level, following)
                 spent += checks
             if not reason:
-                points.append(accepted(problem, found.unknowns, level, spent))
+                keep(points, accepted(problem, found.unknowns, level, spent), watch)
                 ahead, spent = following, 0
                 if found.iterations <= self.easy:
                     halvings = max(halvings - 1, 0)
