@@ -60,7 +60,8 @@ def test_it_gets_by_hardening_where_plain_stepping_ends() -> None:
     for point in path.points:
         rest = np.linalg.norm(Stiff().residual(point.unknowns, point.level))
         assert rest < 1e-9, "a state of the tissue itself, not of a softer one"
-    assert {point.negative_eigenvalues for point in path.points} == {0}
+    unstable = [point.level for point in path.points if point.negative_eigenvalues]
+    assert unstable == [0.2], "there the soft state u = 0 stays an equilibrium, of the unstable branch, and is flagged"
     print(f"{len(path.points)} points, {sum(point.iterations for point in path.points)} iterations")
 
 
@@ -118,5 +119,7 @@ def test_the_hardening_begins_and_ends_where_it_is_told(first) -> None:
             return Stiff(bulk_modulus)
 
     TwoParameter(first_exponent=first, last_exponent=8.0, hardening=0.25).trace(Watched(1e9), Stiff.start)
-    expected = 10.0 ** (first + np.linspace(0.0, 1.0, 5) * (8.0 - first))
-    np.testing.assert_allclose(sorted(set(asked)), expected, rtol=1e-12)
+    quarters = 4.0 * (np.log10(asked) - first) / (8.0 - first)
+    assert {0.0, 1.0, 2.0, 3.0, 4.0} <= set(np.round(quarters, 9)), "quarters, and halved ones where it was hard"
+    assert quarters.min() >= -1e-9
+    assert quarters.max() <= 4.0 + 1e-9
