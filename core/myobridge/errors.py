@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
-__all__ = ["MyobridgeError", "ParameterError", "PluginError", "SceneError", "StepFailed", "nearest"]
+__all__ = ["ContinuationFailed", "MyobridgeError", "ParameterError", "PluginError", "SceneError", "StepFailed", "nearest"]
 
 
 class MyobridgeError(Exception):
@@ -22,6 +23,12 @@ class SceneError(MyobridgeError):
 
 class StepFailed(MyobridgeError):
     """A step failed although it was halved as often as allowed; what was computed before is kept."""
+
+
+class ContinuationFailed(MyobridgeError):
+    """A path of equilibria ended early; what was found before is kept, and `result` holds it (None where there is nothing)."""
+
+    result: Any = None
 
 
 class ParameterError(MyobridgeError):
