@@ -25,6 +25,7 @@ from myobridge.interfaces import (
     MacroSolid,
     Material,
     MeshSource,
+    NewtonMethod,
     Overlap,
     SarcomereDensity,
     Signal,
@@ -107,6 +108,11 @@ def myobridge_linear_solvers() -> Mapping[str, type[LinearSolver]]:  # pyright: 
     """Linear solvers by short name."""
 
 
+@hookspec
+def myobridge_newton_methods() -> Mapping[str, type[NewtonMethod]]:  # pyright: ignore[reportReturnType]
+    """Newton's methods by short name."""
+
+
 @attrs.frozen
 class Family:
     """A kind of plugin: its hook, the interface that every member implements, what it is in words."""
@@ -134,5 +140,6 @@ FAMILIES: Mapping[str, Family] = {
         Family("fibres", "myobridge_fibres", Fibres, "field of fibre directions"),
         Family("load", "myobridge_loads", Load, "load on a boundary"),
         Family("linear_solver", "myobridge_linear_solvers", LinearSolver, "linear solver"),
+        Family("newton", "myobridge_newton_methods", NewtonMethod, "Newton's method"),
     )
 }

@@ -15,6 +15,7 @@ from myobridge.interfaces.load import Load, Surface
 from myobridge.interfaces.macro_solid import Balance, MacroSolid, Matrix, Motion, VisibleMesh
 from myobridge.interfaces.material import Material, MaterialFunctions
 from myobridge.interfaces.mesh import MeshSource
+from myobridge.interfaces.newton import NewtonMethod, NewtonProblem, NewtonResult, NewtonStep
 from myobridge.interfaces.signal import ActivationKinetics, Signal
 from myobridge.interfaces.time_integrator import Memory, StepReport, StepResult, TimeIntegrator
 
@@ -43,6 +44,10 @@ __all__ = [
     "Memory",
     "MeshSource",
     "Motion",
+    "NewtonMethod",
+    "NewtonProblem",
+    "NewtonResult",
+    "NewtonStep",
     "Overlap",
     "PathPoint",
     "Promises",

@@ -16,6 +16,7 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces.active_law import Array
+from myobridge.interfaces.linear_solver import LinearSystem
 from myobridge.interfaces.macro_solid import Matrix
 
 __all__ = ["ContinuationPath", "ContinuationProblem", "ContinuationStrategy", "PathPoint"]
@@ -29,8 +30,8 @@ class ContinuationProblem(ABC):
         """F(u, l), shape (n_unknowns,)."""
 
     @abstractmethod
-    def tangent(self, unknowns: Array, level: float) -> Matrix:
-        """dF/du, shape (n_unknowns, n_unknowns)."""
+    def tangent(self, unknowns: Array, level: float) -> Matrix | LinearSystem:
+        """dF/du, shape (n_unknowns, n_unknowns): dense, sparse, or a system of two fields."""
 
     @abstractmethod
     def level_derivative(self, unknowns: Array, level: float) -> Array:

@@ -90,9 +90,18 @@ class Factorisation(ABC):
             If the residual is not reached; never a wrong answer.
         """
 
+    @property
+    def iterations(self) -> int:
+        """Iterations that the last solve took; 0 for a direct solver."""
+        return 0
+
     def inertia(self) -> Inertia | None:
         """Signs of the eigenvalues where the factorisation knows them; None where it does not."""
         return None
+
+    def describe(self) -> str:
+        """Which solver this is, how large it has become, and why it was chosen, in a line."""
+        return type(self).__name__
 
 
 class LinearSolver(ABC):

@@ -1,22 +1,42 @@
 """Solvers: Newton and linear algebra, a public service that integrators and continuation share."""
 
+from myobridge.interfaces import NewtonResult
+from myobridge.solvers.choice import Automatic, Choice, choose, factorise
 from myobridge.solvers.explicit import acceleration
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
-from myobridge.solvers.linear import SingularMatrix, add_scaled, bordered, mass_solver, solve, times
-from myobridge.solvers.newton import NewtonResult, newton
-from myobridge.solvers.step import effective_mass, implicit_stage, kinetic_energy, step_report
+from myobridge.solvers.linear import (
+    SingularMatrix,
+    UnsolvedSystem,
+    absolute_product,
+    add_scaled,
+    bordered,
+    mass_solver,
+    solve,
+    times,
+)
+from myobridge.solvers.newton import Ordinary, iterate, newton
+from myobridge.solvers.stage import implicit_stage
+from myobridge.solvers.step import effective_mass, kinetic_energy, step_report
 
 __all__ = [
+    "Automatic",
+    "Choice",
     "Inertia",
     "InertiaUnknown",
     "NewtonResult",
+    "Ordinary",
     "SingularMatrix",
+    "UnsolvedSystem",
+    "absolute_product",
     "acceleration",
     "add_scaled",
     "bordered",
+    "choose",
     "effective_mass",
+    "factorise",
     "implicit_stage",
     "inertia",
+    "iterate",
     "kinetic_energy",
     "mass_solver",
     "newton",

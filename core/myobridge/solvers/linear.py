@@ -5,15 +5,30 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 
+import attrs
 import numpy as np
 
 from myobridge.interfaces import Array, LinearSystem, MacroSolid, Matrix
 
-__all__ = ["SingularMatrix", "add_scaled", "bordered", "mass_solver", "saddle", "solve", "times"]
+__all__ = [
+    "SingularMatrix",
+    "UnsolvedSystem",
+    "absolute_product",
+    "add_scaled",
+    "bordered",
+    "mass_solver",
+    "saddle",
+    "solve",
+    "times",
+]
 
 
 class SingularMatrix(ArithmeticError):
     """The matrix has no inverse."""
+
+
+class UnsolvedSystem(ArithmeticError):
+    """The residual asked for was not reached; the message says which solver, after what, and how far it came."""
 
 
 def times(matrix: Matrix, vector: Array) -> Array:
@@ -36,8 +51,26 @@ def add_scaled(matrix: Matrix, factor: float, other: Matrix | None) -> Matrix:
     return matrix + factor * other
 
 
-def bordered(matrix: Matrix, column: Array, row: Array, corner: float) -> Matrix:
-    """The matrix with one more column and row, ``[[matrix, column], [row, corner]]``, dense or sparse as it was."""
+def absolute_product(matrix: Matrix | LinearSystem, vector: Array) -> Array:
+    """``|matrix| @ |vector|``: the size of what cancels in their product."""
+    if isinstance(matrix, LinearSystem):
+        parts = (matrix.stiffness, matrix.transposed_gradient, matrix.gradient, matrix.compliance)
+        sizes = [None if part is None else abs(part) for part in parts]
+        if sizes[3] is not None:
+            sizes[3] = -sizes[3]
+        return attrs.evolve(
+            matrix, stiffness=sizes[0], transposed_gradient=sizes[1], gradient=sizes[2], compliance=sizes[3]
+        ).times(np.abs(vector))
+    return abs(matrix) @ np.abs(vector)
+
+
+def bordered(matrix: Matrix | LinearSystem, column: Array, row: Array, corner: float) -> Matrix | LinearSystem:
+    """The matrix with one more column and row, ``[[matrix, column], [row, corner]]``, dense or sparse as it was.
+
+    A system gets one more multiplier: its condition is the row.
+    """
+    if isinstance(matrix, LinearSystem):
+        return _bordered_system(matrix, column, row, corner)
     if isinstance(matrix, np.ndarray):
         n = column.size
         result = np.empty((n + 1, n + 1))
@@ -49,13 +82,38 @@ def bordered(matrix: Matrix, column: Array, row: Array, corner: float) -> Matrix
     return sparse.block_array([[sparse.csc_array(block) for block in line] for line in blocks], format="csc")
 
 
-def solve(matrix: Matrix, vector: Array) -> Array:
-    """Solution of ``matrix @ x = vector``.
+def _bordered_system(system: LinearSystem, column: Array, row: Array, corner: float) -> LinearSystem:
+    import scipy.sparse as sparse
+
+    n, m = system.stiffness.shape[0], system.n_constraints
+
+    def stacked(gradient: Matrix | None, last: Array) -> Matrix:
+        lines = [sparse.csr_array(last[None])]
+        return sparse.vstack([sparse.csr_array(gradient), *lines] if gradient is not None else lines, format="csr")
+
+    inner = sparse.csr_array((m, m)) if system.compliance is None else sparse.csr_array(system.compliance)
+    edges = [sparse.csr_array(-column[n:, None]), sparse.csr_array(-row[None, n:])]
+    last = sparse.csr_array(np.array([[-corner]]))
+    compliance = sparse.block_array([[inner, edges[0]], [edges[1], last]], format="csr") if m else last
+    return LinearSystem(
+        system.stiffness,
+        stacked(system.transposed_gradient, column[:n]),
+        stacked(system.gradient, row[:n]),
+        compliance,
+        system.rigid_motions,
+        symmetric=False,
+    )
+
+
+def solve(matrix: Matrix | LinearSystem, vector: Array) -> Array:
+    """Solution of ``matrix @ x = vector``; large systems by the solver that suits them.
 
     Raises
     ------
     SingularMatrix
         If there is none.
+    UnsolvedSystem
+        If the residual was not reached.
     """
     if isinstance(matrix, np.ndarray):
         if matrix.size == 1:
@@ -66,13 +124,9 @@ def solve(matrix: Matrix, vector: Array) -> Array:
             return np.asarray(np.linalg.solve(matrix, vector), dtype=np.float64)
         except np.linalg.LinAlgError:
             raise SingularMatrix from None
-    import scipy.sparse as sparse
-    import scipy.sparse.linalg as sparse_linalg
+    from myobridge.solvers.choice import factorise
 
-    try:
-        return sparse_linalg.splu(sparse.csc_array(matrix)).solve(vector)
-    except RuntimeError:  # SuperLU's word for a singular factor
-        raise SingularMatrix from None
+    return factorise(matrix).solve(vector)
 
 
 @functools.lru_cache(maxsize=8)

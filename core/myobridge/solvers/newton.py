@@ -1,45 +1,199 @@
-r"""Newton's method, shared by all implicit integrators and by continuation.
+r"""Newton's method as all variants share it, and the ordinary one.
 
 .. math:: F'(x_k)\,\delta_k = -F(x_k), \qquad x_{k+1} = x_k + \alpha_k\,\delta_k
 
-The step is halved (backtracking) while the new point is not admissible or its residual is not finite.
+The share :math:`\alpha` is halved (backtracking) while the new point is not admissible, its residual is not finite, or
+it has grown out of all proportion.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import ClassVar, final
 
+import attrs
 import numpy as np
 
-from myobridge.interfaces import Array, Matrix
-from myobridge.solvers.linear import SingularMatrix, solve
+from myobridge.hookspecs import hookimpl
+from myobridge.interfaces import (
+    Array,
+    Factorisation,
+    LinearSolver,
+    LinearSystem,
+    Matrix,
+    NewtonMethod,
+    NewtonProblem,
+    NewtonResult,
+    NewtonStep,
+)
+from myobridge.parameters import integer, number, part
+from myobridge.solvers.choice import factorise
+from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, solve
 
-__all__ = ["NewtonResult", "newton"]
+__all__ = ["Correction", "Ordinary", "iterate", "newton"]
 
 _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
+# The relative residual of the linear systems, where the solver iterates: below it Newton is as quadratic as can be seen.
+_LINEAR = 1e-8
+
+Correction = Callable[[Array, Array], tuple[Array, int, bool]]
+"""From unknowns and residual: the correction, iterations of the linear solver, whether the tangent was new."""
 
 
-class NewtonResult(NamedTuple):
-    """Unknowns found, whether they solve the problem, iterations spent, and why not."""
+def iterate(
+    problem: NewtonProblem,
+    start: Array,
+    correction: Correction,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    backtracks: int,
+    growth: float,
+) -> NewtonResult:
+    """Iterations with a given way to find corrections: what all methods share.
 
-    unknowns: Array
-    converged: bool
-    iterations: int
-    reason: str = ""
+    Parameters
+    ----------
+    correction : callable
+        Raises `SingularMatrix` or `UnsolvedSystem` where it finds none.
+    tolerance : float
+        Converged when the residual has fallen by this factor, or when it, or a correction, is round-off.
+    growth : float
+        The residual may grow by this factor in one iteration; beyond it the step is halved.
+    """
+    unknowns = start
+    residual, magnitude = problem.residual(unknowns)
+    size = _size(residual)
+    first = size
+    history: list[NewtonStep] = []
+    for iteration in range(max_iterations):
+        if not math.isfinite(size):
+            return NewtonResult(unknowns, False, iteration, "the residual is not finite", tuple(history))
+        # A residual below the round-off of its own terms cannot fall any further.
+        if size <= _ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
+            return NewtonResult(unknowns, True, iteration, "", tuple(history))
+        try:
+            change, inner, renewed = correction(unknowns, residual)
+        except SingularMatrix:
+            return NewtonResult(unknowns, False, iteration, "the tangent is singular", tuple(history))
+        except UnsolvedSystem as error:
+            reason = f"the linear system of iteration {iteration + 1} is not solved: {error}"
+            return NewtonResult(unknowns, False, iteration, reason, tuple(history))
+        fraction, before = 1.0, size
+        for _ in range(backtracks):
+            candidate = unknowns - fraction * change
+            if problem.admissible(candidate):
+                residual, magnitude = problem.residual(candidate)
+                size = _size(residual)
+                if size <= growth * before:  # false where it is not finite
+                    break
+            fraction *= 0.5
+        else:
+            reason = "no admissible point along Newton's direction"
+            return NewtonResult(unknowns, False, iteration + 1, reason, tuple(history))
+        history.append(NewtonStep(before, fraction, inner, renewed))
+        unknowns = candidate
+        if fraction == 1.0 and renewed and _size(change) <= _ROUND_OFF * _size(unknowns):
+            return NewtonResult(unknowns, True, iteration + 1, "", tuple(history))
+    converged = size <= max(tolerance * first, _ROUND_OFF * magnitude)
+    reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
+    return NewtonResult(unknowns, converged, max_iterations, "" if converged else reason, tuple(history))
+
+
+@final
+@attrs.frozen
+class Ordinary(NewtonMethod):
+    r"""Newton's method with a new tangent at every iteration (thesis [1]_, 1.5.1).
+
+    .. math:: F'(x_k)\,\delta_k = -F(x_k), \qquad x_{k+1} = x_k + \alpha_k\,\delta_k
+
+    Parameters
+    ----------
+    tolerance : float
+        Factor by which the residual must fall; round-off of what cancels in it is always enough.
+    max_iterations : int
+        After which it has failed.
+    backtracks : int
+        Most halvings of a correction that leads to a point that is not admissible.
+    growth : float
+        Factor by which the residual may grow in one iteration before the correction is halved. Incompressible bodies
+        need room here: a good step may well raise it a hundred times before it falls.
+    linear : LinearSolver, optional
+        Solver of sparse systems; chosen by their size unless given.
+
+    Departures
+    ----------
+    The thesis takes the whole correction always.
+
+    References
+    ----------
+    .. [1] Thesis, 1.5.1.
+    """
+
+    summary: ClassVar[str] = "a new tangent at every iteration (thesis, 1.5.1); the default"
+
+    tolerance: float = number(1e-12, within="(0, 1e-3]", doc="factor by which the residual must fall")
+    max_iterations: int = integer(30, within="[1, inf)", doc="iterations after which it has failed")
+    backtracks: int = integer(20, within="[1, inf)", doc="most halvings of a correction")
+    growth: float = number(1e6, within="(1, inf]", doc="growth of the residual that halves a correction")
+    linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
+
+    def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
+        def correction(unknowns: Array, residual: Array) -> tuple[Array, int, bool]:
+            tangent = problem.tangent(unknowns)
+            if isinstance(tangent, np.ndarray):
+                return solve(tangent, residual), 0, True
+            factors = factorise(tangent, self.linear)
+            return factors.solve(residual, _LINEAR), factors.iterations, True
+
+        return iterate(
+            problem,
+            start,
+            correction,
+            tolerance=self.tolerance,
+            max_iterations=self.max_iterations,
+            backtracks=self.backtracks,
+            growth=self.growth,
+        )
+
+
+@final
+class _Function(NewtonProblem):
+    """Equations given as functions."""
+
+    def __init__(
+        self,
+        evaluate: Callable[[Array], tuple[Array, Matrix | LinearSystem, float]],
+        admissible: Callable[[Array], bool],
+    ) -> None:
+        self._evaluate, self._admissible = evaluate, admissible
+        self._known: tuple[Array, Matrix | LinearSystem] | None = None
+
+    def residual(self, unknowns: Array) -> tuple[Array, float]:
+        residual, tangent, magnitude = self._evaluate(unknowns)
+        self._known = (unknowns, tangent)
+        return residual, magnitude
+
+    def tangent(self, unknowns: Array) -> Matrix | LinearSystem:
+        if self._known is None or self._known[0] is not unknowns:
+            self.residual(unknowns)
+        assert self._known is not None
+        return self._known[1]
+
+    def admissible(self, unknowns: Array) -> bool:
+        return self._admissible(unknowns)
 
 
 def newton(
-    evaluate: Callable[[Array], tuple[Array, Matrix, float]],
+    evaluate: Callable[[Array], tuple[Array, Matrix | LinearSystem, float]],
     start: Array,
     *,
     admissible: Callable[[Array], bool],
     tolerance: float = 1e-12,
     max_iterations: int = 30,
-    backtracks: int = 20,
 ) -> NewtonResult:
-    """Solve ``F(x) = 0``.
+    """Solve ``F(x) = 0`` given as a function by the ordinary method.
 
     Parameters
     ----------
@@ -49,47 +203,17 @@ def newton(
         Where to begin.
     admissible : callable
         Whether a point is physically possible.
-    tolerance : float
-        Converged when the residual has fallen by this factor, or when it, or a correction, is round-off.
-
-    Returns
-    -------
-    NewtonResult
-        Failure is a result, not an exception: the caller halves its step.
+    tolerance, max_iterations : float and int
+        Those of `Ordinary`.
     """
-    unknowns = start
-    residual, tangent, magnitude = evaluate(unknowns)
-    size = _size(residual)
-    first = size
-    for iteration in range(max_iterations):
-        if not math.isfinite(size):
-            return NewtonResult(unknowns, False, iteration, "the residual is not finite")
-        # A residual below the round-off of its own terms cannot fall any further.
-        if size <= _ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
-            return NewtonResult(unknowns, True, iteration)
-        try:
-            correction = solve(tangent, residual)
-        except SingularMatrix:
-            return NewtonResult(unknowns, False, iteration, "the tangent is singular")
-        fraction = 1.0
-        for _ in range(backtracks):
-            candidate = unknowns - fraction * correction
-            if admissible(candidate):
-                residual, tangent, magnitude = evaluate(candidate)
-                size = _size(residual)
-                if math.isfinite(size):
-                    break
-            fraction *= 0.5
-        else:
-            return NewtonResult(unknowns, False, iteration + 1, "no admissible point along Newton's direction")
-        unknowns = candidate
-        if fraction == 1.0 and _size(correction) <= _ROUND_OFF * _size(unknowns):
-            return NewtonResult(unknowns, True, iteration + 1)
-    if size <= max(tolerance * first, _ROUND_OFF * magnitude):
-        return NewtonResult(unknowns, True, max_iterations)
-    reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
-    return NewtonResult(unknowns, False, max_iterations, reason)
+    method = Ordinary(tolerance=tolerance, max_iterations=max_iterations)
+    return method.solve(_Function(evaluate, admissible), start)
 
 
 def _size(vector: Array) -> float:
     return float(abs(vector[0])) if vector.size == 1 else float(np.sqrt(vector @ vector))
+
+
+@hookimpl
+def myobridge_newton_methods() -> dict[str, type[NewtonMethod]]:
+    return {"ordinary": Ordinary}

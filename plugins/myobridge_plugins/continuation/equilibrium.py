@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from myobridge.interfaces import Array, ContinuationProblem, Matrix, PathPoint
-from myobridge.solvers import NewtonResult, SingularMatrix, newton, solve
+from myobridge.interfaces import Array, ContinuationProblem, LinearSystem, Matrix, PathPoint
+from myobridge.solvers import NewtonResult, SingularMatrix, UnsolvedSystem, absolute_product, newton, solve
 
 __all__ = ["accepted", "cancelling", "equilibrium", "length", "slope"]
 
@@ -21,7 +21,7 @@ def equilibrium(
     if not problem.admissible(guess):
         return NewtonResult(guess, False, 0, "the state to start from is not admissible")
 
-    def evaluate(unknowns: Array) -> tuple[Array, Matrix, float]:
+    def evaluate(unknowns: Array) -> tuple[Array, Matrix | LinearSystem, float]:
         tangent = problem.tangent(unknowns, level)
         return problem.residual(unknowns, level), tangent, cancelling(problem, tangent, unknowns, level)
 
@@ -31,16 +31,16 @@ def equilibrium(
         )
 
 
-def cancelling(problem: ContinuationProblem, tangent: Matrix, unknowns: Array, level: float) -> float:
+def cancelling(problem: ContinuationProblem, tangent: Matrix | LinearSystem, unknowns: Array, level: float) -> float:
     """Norm of what cancels in the residual: what the problem says, and the tangent times the unknowns."""
-    return problem.magnitude(unknowns, level) + float(np.linalg.norm(abs(tangent) @ np.abs(unknowns)))
+    return problem.magnitude(unknowns, level) + float(np.linalg.norm(absolute_product(tangent, unknowns)))
 
 
 def slope(problem: ContinuationProblem, unknowns: Array, level: float) -> Array | None:
     """Change of the unknowns per unit of level along the path; None where the tangent is singular."""
     try:
         change = -solve(problem.tangent(unknowns, level), problem.level_derivative(unknowns, level))
-    except SingularMatrix:
+    except (SingularMatrix, UnsolvedSystem):
         return None
     return change if np.all(np.isfinite(change)) else None
 

@@ -7,8 +7,8 @@ from typing import ClassVar, final
 import attrs
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, StepResult, TimeIntegrator
-from myobridge.parameters import number
+from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, NewtonMethod, StepResult, TimeIntegrator
+from myobridge.parameters import part
 from myobridge.solvers import implicit_stage
 
 
@@ -28,12 +28,12 @@ class QuasiStatic(TimeIntegrator):
     stage: ClassVar[float] = 1.0
     conserves: ClassVar[frozenset[str]] = frozenset(())
 
-    tolerance: float = number(1e-12, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
+    newton: NewtonMethod | None = part("newton", None, doc="Newton's method; the ordinary one unless given")
 
     def step(
         self, solid: MacroSolid, law: ActiveLaw | None, motion: Motion, memory: Memory, time: float, dt: float
     ) -> StepResult:
-        return implicit_stage(solid, law, motion, memory, time, dt, stage=1.0, inertia=False, tolerance=self.tolerance)
+        return implicit_stage(solid, law, motion, memory, time, dt, stage=1.0, inertia=False, newton=self.newton)
 
 
 @hookimpl

@@ -1,0 +1,90 @@
+r"""Newton's methods: how a system of nonlinear equations is solved.
+
+.. math:: F(x) = 0, \qquad F'(x_k)\,\delta_k = -F(x_k), \qquad x_{k+1} = x_k + \alpha_k\,\delta_k
+
+A method sees a `NewtonProblem` only: the residual, its tangent, and what is physically possible. Unknowns and residuals
+are vectors ``(n_unknowns,)``; whoever states the problem scales them so that one norm makes sense.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar, NamedTuple
+
+from myobridge.interfaces.active_law import Array
+from myobridge.interfaces.linear_solver import Factorisation, LinearSystem
+from myobridge.interfaces.macro_solid import Matrix
+
+__all__ = ["NewtonMethod", "NewtonProblem", "NewtonResult", "NewtonStep"]
+
+
+class NewtonProblem(ABC):
+    """Equations to solve."""
+
+    @abstractmethod
+    def residual(self, unknowns: Array) -> tuple[Array, float]:
+        """F(x), and the norm of the terms that cancel in it: a residual below their round-off is zero."""
+
+    @abstractmethod
+    def tangent(self, unknowns: Array) -> Matrix | LinearSystem:
+        """F'(x): a dense or sparse matrix, or a system of two fields. Mostly asked where the residual was asked last."""
+
+    def admissible(self, unknowns: Array) -> bool:
+        """Whether a point is physically possible (J > 0, stretch > 0)."""
+        return True
+
+
+class NewtonStep(NamedTuple):
+    """One iteration: residual before it, share of the correction that was taken, iterations of the linear solver.
+
+    The share is 1 unless the step was halved; a direct solver takes 0 iterations. `factorised` says whether the tangent
+    was new.
+    """
+
+    residual: float
+    fraction: float
+    linear_iterations: int = 0
+    factorised: bool = True
+
+
+class NewtonResult(NamedTuple):
+    """What a method found.
+
+    Attributes
+    ----------
+    unknowns : ndarray, shape (n_unknowns,)
+        Solution, or the last point.
+    converged : bool
+        Failure is a result, not an exception: the caller halves its step.
+    iterations : int
+        Corrections taken.
+    reason : str
+        Why it failed, in a sentence.
+    history : tuple of NewtonStep
+        How each iteration went.
+    factorisation : Factorisation or None
+        Of a tangent near the solution, where the method keeps one: for the next solve.
+    """
+
+    unknowns: Array
+    converged: bool
+    iterations: int
+    reason: str = ""
+    history: tuple[NewtonStep, ...] = ()
+    factorisation: Factorisation | None = None
+
+
+class NewtonMethod(ABC):
+    """Abstract method; tolerances and limits are the attributes of a frozen class."""
+
+    summary: ClassVar[str] = ""
+
+    @abstractmethod
+    def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
+        """Solve from `start`.
+
+        Parameters
+        ----------
+        kept : Factorisation, optional
+            From the solve of a problem much like this one; a method that renews its tangent at once ignores it.
+        """
