@@ -27,7 +27,7 @@ class NewtonProblem(ABC):
 
     @abstractmethod
     def tangent(self, unknowns: Array) -> Matrix | LinearSystem:
-        """F'(x): a dense or sparse matrix, or a system of two fields. Mostly asked where the residual was asked last."""
+        """F'(x): a matrix, dense or sparse, or a system of two fields; mostly asked where the residual was last."""
 
     def admissible(self, unknowns: Array) -> bool:
         """Whether a point is physically possible (J > 0, stretch > 0)."""

@@ -14,7 +14,7 @@ from myobridge.solvers.linear import (
     solve,
     times,
 )
-from myobridge.solvers.newton import Ordinary, iterate, newton
+from myobridge.solvers.newton import Ordinary, is_round_off, iterate, newton
 from myobridge.solvers.stage import implicit_stage
 from myobridge.solvers.step import effective_mass, kinetic_energy, step_report
 
@@ -36,6 +36,7 @@ __all__ = [
     "factorise",
     "implicit_stage",
     "inertia",
+    "is_round_off",
     "iterate",
     "kinetic_energy",
     "mass_solver",

@@ -29,16 +29,19 @@ from myobridge.interfaces import (
 )
 from myobridge.parameters import integer, number, part
 from myobridge.solvers.choice import factorise
-from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, solve
+from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_product, solve
 
-__all__ = ["Correction", "Ordinary", "iterate", "newton"]
+__all__ = ["Correction", "Ordinary", "is_round_off", "iterate", "newton"]
 
 _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
-# The relative residual of the linear systems, where the solver iterates: below it Newton is as quadratic as can be seen.
+# The relative residual of the linear systems, where the solver iterates: small enough that nobody sees the difference.
 _LINEAR = 1e-8
 
-Correction = Callable[[Array, Array], tuple[Array, int, bool]]
-"""From unknowns and residual: the correction, iterations of the linear solver, whether the tangent was new."""
+Correction = Callable[[Array, Array], tuple[Array, int, bool] | None]
+"""From unknowns and residual: the correction, iterations of the linear solver, whether the tangent was new.
+
+None where the residual is what round-off of the unknowns leaves (`is_round_off`): it cannot fall any further.
+"""
 
 
 def iterate(
@@ -74,12 +77,15 @@ def iterate(
         if size <= _ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
             return NewtonResult(unknowns, True, iteration, "", tuple(history))
         try:
-            change, inner, renewed = correction(unknowns, residual)
+            found = correction(unknowns, residual)
         except SingularMatrix:
             return NewtonResult(unknowns, False, iteration, "the tangent is singular", tuple(history))
         except UnsolvedSystem as error:
             reason = f"the linear system of iteration {iteration + 1} is not solved: {error}"
             return NewtonResult(unknowns, False, iteration, reason, tuple(history))
+        if found is None:
+            return NewtonResult(unknowns, True, iteration, "", tuple(history))
+        change, inner, renewed = found
         fraction, before = 1.0, size
         for _ in range(backtracks):
             candidate = unknowns - fraction * change
@@ -140,10 +146,12 @@ class Ordinary(NewtonMethod):
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
 
     def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
-        def correction(unknowns: Array, residual: Array) -> tuple[Array, int, bool]:
+        def correction(unknowns: Array, residual: Array) -> tuple[Array, int, bool] | None:
             tangent = problem.tangent(unknowns)
             if isinstance(tangent, np.ndarray):
                 return solve(tangent, residual), 0, True
+            if is_round_off(tangent, unknowns, residual):
+                return None
             factors = factorise(tangent, self.linear)
             return factors.solve(residual, _LINEAR), factors.iterations, True
 
@@ -208,6 +216,14 @@ def newton(
     """
     method = Ordinary(tolerance=tolerance, max_iterations=max_iterations)
     return method.solve(_Function(evaluate, admissible), start)
+
+
+def is_round_off(tangent: Matrix | LinearSystem, unknowns: Array, residual: Array) -> bool:
+    r"""Whether :math:`\|F\| \le 16\,\varepsilon\,\| |F'| |x| \|`: what the last digits of the unknowns stand for.
+
+    A factorisation costs hundreds of times more than this question.
+    """
+    return _size(residual) <= _ROUND_OFF * _size(absolute_product(tangent, unknowns))
 
 
 def _size(vector: Array) -> float:

@@ -4,8 +4,8 @@ r"""What all direct solvers share: refinement of the solution, and two proofs th
           \|r\| \le \max(\tau\,\|b\|,\; c\,\varepsilon\,\|A\|\,\|x\|)
 
 The second bound is what round-off leaves of any stable elimination; above 1e-6 of `b` it is no excuse. A matrix that is
-singular to round-off is found by two steps of inverse iteration from a fixed vector, which cost two solves, a small part
-of a factorisation: factors of such a matrix exist as a rule, and are noise.
+singular to round-off is found by two steps of inverse iteration from a fixed vector, which cost two solves, a small
+part of a factorisation: factors of such a matrix exist as a rule, and are noise.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 import attrs
 import numpy as np
@@ -46,7 +46,7 @@ class SuperLU(LinearSolver):
         import scipy.sparse as sparse
         import scipy.sparse.linalg as sparse_linalg
 
-        matrix = sparse.csc_array(system.matrix())
+        matrix: Any = sparse.csc_array(system.matrix())
         if not np.all(np.isfinite(matrix.data)):
             raise SingularMatrix
         try:
