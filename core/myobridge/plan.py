@@ -9,13 +9,23 @@ from typing import Any
 import attrs
 
 from myobridge.build import build
-from myobridge.effects import EFFECTS, FAMILY_OF_SECTION, SECTIONS, known_effects, suppliers
+from myobridge.effects import (
+    EFFECTS,
+    FAMILY_OF_SECTION,
+    FIELDS_OF_SECTION,
+    LISTS_OF_SOLID,
+    NEED_TIME,
+    SECTIONS,
+    known_effects,
+    suppliers,
+)
 from myobridge.errors import MyobridgeError, ParameterError, SceneError, nearest
 from myobridge.look_ahead import check_activation, check_prescribed_stretch, memory_of_this_machine
 from myobridge.parameters import declared, optional_effects
 from myobridge.registry import Registry, registry
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
+from myobridge.stimulation import located
 
 __all__ = ["Plan"]
 
@@ -158,7 +168,7 @@ def _check_memory(sizes: Mapping[str, int]) -> None:
 def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
     if scene.step > scene.duration:
         raise ParameterError("scene.step", f"is {scene.step:g} s, longer than the duration of {scene.duration:g} s")
-    solid, activation = parts["solid"], parts.get("activation")
+    solid, activation = parts["solid"], located(parts.get("activation"), parts["solid"])
     if activation is not None:
         check_activation(activation, solid.n_sites, scene.duration)
     if solid.n_unknowns == 0:

@@ -29,6 +29,7 @@ from myobridge.interfaces import (
 from myobridge.ledger import Ledger
 from myobridge.solvers import kinetic_energy
 from myobridge.step_control import StepControl
+from myobridge.stimulation import located
 
 __all__ = ["Simulation"]
 
@@ -87,6 +88,7 @@ class Simulation:
         self.seconds = {"mechanics": 0.0, "cross_bridges": 0.0, "ledger": 0.0}
         self.iterations = 0
         self.bus: CouplingBus | None = None
+        activation = located(activation, solid)
         self._check(cross_bridges, activation, calcium, sarcomere_density)
         if cross_bridges is not None:
             density = None

@@ -21,6 +21,7 @@ from myobridge.interfaces import (
 )
 from myobridge.look_ahead import check_activation
 from myobridge.scaling import Scaling
+from myobridge.stimulation import located
 
 __all__ = ["Statics"]
 
@@ -83,6 +84,10 @@ class Statics:
         except ParameterError as error:
             raise SceneError(f"continuation.{error}") from None
         self.kept = self.scaling.kept()
+        try:
+            activation = located(activation, solid)
+        except ParameterError as error:
+            raise SceneError(str(error)) from None
         _check_parts(solid, cross_bridges, activation, sarcomere_density)
         self.tension = _steady_tension(solid, cross_bridges, activation, sarcomere_density)
         self.of = self.scaling.of or ("load" if self.tension is None else "tension")

@@ -8,10 +8,27 @@ from typing import final
 import attrs
 import numpy as np
 
+from myobridge.errors import ParameterError
 from myobridge.instant import just_before
-from myobridge.interfaces import ActivationKinetics, Array, Signal
+from myobridge.interfaces import ActivationKinetics, Array, MacroSolid, Signal
 
-__all__ = ["Stimulation"]
+__all__ = ["Stimulation", "located"]
+
+
+def located(signal: Signal | None, solid: MacroSolid) -> Signal | None:
+    """Activation of the sites of `solid`: the signal once it knows where they are.
+
+    Raises
+    ------
+    ParameterError
+        With the key as ``activation. ...``, if the signal does not fit the dimension of the solid.
+    """
+    if signal is None:
+        return None
+    try:
+        return signal.located(solid.site_positions())
+    except ParameterError as error:
+        raise ParameterError(f"activation.{error.key}", error.problem) from None
 
 
 @final

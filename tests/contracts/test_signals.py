@@ -22,7 +22,10 @@ EXAMPLES = {
     "steps": {"times": [0.1, 0.3, 0.35], "values": [0.0, 1.0, 0.4]},
     "steps-hold": {"times": [0.1, 0.3, 0.35], "values": [0.0, 1.0, 0.4], "interpolation": "hold"},
     "table": {},
+    "spatial": {"signal": {"plugin": "square", "frequency": 7.0, "duty": 0.3, "pulses": 5}, "end": 0.05, "edge": 0.02},
+    "spatial-late": {"signal": {"plugin": "ramp", "final": 0.8, "end": 0.3}, "start": 0.02, "speed": 0.4, "delays": 3},
 }
+SITES = np.linspace(0.0, 0.1, 7)[:, None]
 
 
 def signal(key: str, folder):
@@ -35,7 +38,7 @@ def signal(key: str, folder):
 
 @pytest.mark.parametrize("key", EXAMPLES)
 def test_contract(key, tmp_path):
-    for check in signal_checks(signal(key, tmp_path)):
+    for check in signal_checks(signal(key, tmp_path).located(SITES)):
         check()
 
 

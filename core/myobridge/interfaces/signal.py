@@ -35,6 +35,18 @@ class Signal(ABC):
         """Times at which value or slope jumps; a step ends there."""
         return ()
 
+    def located(self, positions: Array) -> Signal:
+        """The signal at reference `positions` (n_sites, dimension) [m]; this very one where space does not matter.
+
+        What drives the sites of a solid is located once, before anything else is asked of it.
+
+        Raises
+        ------
+        ParameterError
+            If the signal asks for an axis that the positions do not have.
+        """
+        return self
+
 
 class ActivationKinetics(ABC):
     """First stage between stimulation and activation, such as the release and uptake of calcium.
