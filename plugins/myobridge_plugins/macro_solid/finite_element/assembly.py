@@ -1,0 +1,196 @@
+"""Assembly: one discretised body with its materials, ready to be summed up by the kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import attrs
+import numpy as np
+
+from myobridge.compiled import LANES
+from myobridge.interfaces import Array, Material
+from myobridge_plugins.macro_solid.finite_element.discretisation import Discretisation
+from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
+
+__all__ = ["Assembly", "Kinematics", "Sums", "at_rest"]
+
+_NONE = np.empty(0)
+
+
+class Kinematics(NamedTuple):
+    """Stretch [-], its rate [1/s] and J [-] at every point."""
+
+    stretch: Array
+    rate: Array
+    jacobian: Array
+
+
+class Sums(NamedTuple):
+    """What one assembly gives: force [N], constraint [m^3], data of the tangents, the largest stress [Pa]."""
+
+    force: Array
+    constraint: Array
+    stiffness: Array
+    gradient: Array
+    largest: float
+
+
+@attrs.frozen(eq=False)
+class _Region:
+    """Material of a region, and its batches in blocks by colour."""
+
+    material: Material
+    constants: Array
+    blocks: np.ndarray
+    colours: np.ndarray
+    batches: np.ndarray
+
+
+class Assembly:
+    """Arrays of a body in the form that the kernels take.
+
+    Parameters
+    ----------
+    discretisation : Discretisation
+    pattern : Pattern
+    materials : sequence of Material
+        One a region.
+    fibre : ndarray, (3, n_points)
+        Reference direction at every point.
+    threads : int
+        Threads of a loop over blocks; the answer does not depend on it.
+    """
+
+    def __init__(
+        self,
+        discretisation: Discretisation,
+        pattern: Pattern,
+        materials: Sequence[Material],
+        fibre: Array,
+        threads: int,
+    ) -> None:
+        self.discretisation = discretisation
+        self.pattern = pattern
+        self.threads = threads
+        cell = discretisation.cell
+        self._cells = (
+            discretisation.sizes,
+            discretisation.starts,
+            discretisation.batched(discretisation.nodes),
+            discretisation.corners,
+            np.ascontiguousarray(fibre),
+            cell.weights,
+            cell.slopes,
+            cell.map_slopes,
+        )
+        self._multipliers = discretisation.batched(discretisation.multipliers)
+        self._regions: list[_Region] = []
+        for number, material in enumerate(materials):
+            blocks, colours = discretisation.blocks(number)
+            batches = np.arange(*discretisation.region_batches[number], dtype=np.int32)
+            constants = np.ascontiguousarray(material.constants, dtype=np.float64)
+            self._regions.append(_Region(material, constants, blocks, colours, batches))
+        self._zeros = np.zeros(discretisation.n_points)
+
+    def memory(self) -> int:
+        """Bytes of all arrays that grow with the mesh, the data of the tangents included."""
+        pattern = self.pattern
+        held = [*self._cells, self._multipliers, pattern.places, pattern.gradient_places, self._zeros]
+        held += [part for free in (pattern.stiffness, pattern.gradient) for part in (free.kept, free.indices)]
+        return sum(array.nbytes for array in held) + 8 * (pattern.size + pattern.gradient_size)
+
+    def kinematics(self, displacement: Array, velocity: Array | None = None) -> Kinematics:
+        """Stretch, rate and J at all points for full nodal vectors; without `velocity` the rate is zero."""
+        from myobridge_plugins.macro_solid.finite_element.point_loops import kinematics
+
+        n = self.discretisation.n_points
+        found = Kinematics(np.empty(n), np.empty(n) if velocity is not None else self._zeros, np.empty(n))
+        moving = displacement if velocity is None else velocity
+        self._set_threads()
+        kinematics(*self._shape(), velocity is not None, *self._cells, displacement, moving, *found)
+        return found
+
+    def sums(
+        self,
+        displacement: Array,
+        pressure: Array,
+        tension: Array | None,
+        stiffness: Array | None,
+        *,
+        tangent: bool,
+        passive: bool = True,
+    ) -> Sums:
+        """Internal force and constraint, and their derivatives where `tangent` is asked for."""
+        from myobridge_plugins.macro_solid.finite_element.assembly_kernels import assemble
+
+        grid, pattern = self.discretisation, self.pattern
+        force = np.zeros(grid.dimension * grid.n_nodes)
+        constraint = np.zeros(grid.n_multipliers)
+        stiffness_data = np.zeros(pattern.size) if tangent else _NONE
+        gradient_data = np.zeros(pattern.gradient_size) if tangent else _NONE
+        top = 0.0
+        self._set_threads()
+        for region in self._regions:
+            functions = region.material.functions()
+            law = functions.tangent if tangent else functions.stress
+            largest = np.zeros(len(region.blocks))
+            assemble(
+                *self._shape(),
+                passive,
+                tangent,
+                *self._cells,
+                self._multipliers,
+                grid.cell.shapes,
+                region.blocks,
+                region.colours,
+                law.pointer,
+                region.constants,
+                displacement,
+                pressure,
+                self._zeros if tension is None else tension,
+                self._zeros if stiffness is None else stiffness,
+                pattern.starts,
+                pattern.places,
+                pattern.gradient_starts,
+                pattern.gradient_places,
+                force,
+                constraint,
+                stiffness_data,
+                gradient_data,
+                largest,
+            )
+            top = max(top, float(largest.max(initial=0.0)))
+        return Sums(force, constraint, stiffness_data, gradient_data, top)
+
+    def energy(self, displacement: Array) -> float:
+        """Passive energy of the body [J], without the constraint's share."""
+        from myobridge_plugins.macro_solid.finite_element.point_loops import energies
+
+        found = np.zeros(self.discretisation.sizes.size)
+        self._set_threads()
+        for region in self._regions:
+            law = region.material.functions().energy.pointer
+            energies(*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
+        return float(found.sum())
+
+    def _shape(self) -> tuple[int, bool]:
+        return self.discretisation.dimension, self.discretisation.cell.affine
+
+    def _set_threads(self) -> None:
+        import numba
+
+        if numba.get_num_threads() != self.threads:
+            numba.set_num_threads(min(self.threads, numba.config.NUMBA_NUM_THREADS))
+
+
+def at_rest(material: Material, fibre: Array) -> tuple[Array, Array]:
+    """Stress (9,) and tangent (9, 9) of a material at ``F = 1`` [Pa]."""
+    state, out = np.zeros(15 * LANES), np.zeros(54 * LANES)
+    state.reshape(15, LANES)[[0, 4, 8], 0] = 1.0
+    state.reshape(15, LANES)[9 : 9 + fibre.size, 0] = fibre
+    material.functions().tangent(1, state, out, np.ascontiguousarray(material.constants, dtype=np.float64))
+    rows = out.reshape(54, LANES)[:, 0]
+    tangent = np.zeros((9, 9))
+    tangent[np.triu_indices(9)] = rows[9:]
+    return rows[:9].copy(), tangent + np.triu(tangent, 1).T

@@ -1,0 +1,209 @@
+"""Loop over batches of elements: residual and tangent into vectors and sparse rows.
+
+Blocks of consecutive batches run in parallel, colour by colour: blocks of one colour share no node, so the order of
+every sum is fixed and the answer does not depend on the number of threads.
+
+Arguments that the loops share:
+
+* ``dimension``, ``affine``: 2 or 3; whether the Jacobian is constant in a cell.
+* ``sizes`` (n_batches,), ``starts`` (n_batches,): cells of a batch, and number of its first point; a batch numbers its
+  points quadrature point by quadrature point, cell by cell.
+* ``nodes`` (n_batches, n_nodes, LANES), ``multipliers`` (n_batches, n_multipliers, LANES): what a cell touches.
+* ``corners`` (n_batches, 3 * n_corners * LANES): positions. ``fibre`` (3, n_points): reference directions.
+* ``weights`` (n_q,), ``slopes`` (n_q, n_nodes, 3), ``map_slopes`` (n_q, n_corners, 3), ``shapes`` (n_q, n_multipliers):
+  the reference cell at its quadrature points, displacement, geometry and multiplier.
+* ``blocks`` (n_blocks, 2), ``colours`` (n_colours + 1,): batches of a block, and blocks of a colour.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit, prange, types
+
+from myobridge.compiled import LANES
+from myobridge_plugins.macro_solid.finite_element.contraction_kernels import add_constraint, add_force, add_stiffness
+from myobridge_plugins.macro_solid.finite_element.element_kernels import (
+    add_deformation,
+    gather,
+    identity,
+    shape_gradients,
+    volume_and_inverse,
+)
+from myobridge_plugins.macro_solid.finite_element.kernel_types import (
+    CELLS,
+    INDEX,
+    LAW,
+    MATRIX,
+    PLACES,
+    TABLE,
+    TOUCHED,
+    VECTOR,
+)
+from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS, add_stress, add_tangent
+
+__all__ = ["assemble"]
+
+_L = LANES
+
+
+@njit(**OPTIONS)
+def _scatter_stiffness(n, dimension, n_nodes, square, nodes, row_starts, places, local, data):
+    """Add the blocks of all pairs a <= b, and their transposes, to the rows of the scalar matrix."""
+    pair = 0
+    for a in range(n_nodes):
+        for b in range(a, n_nodes):
+            block = local[9 * pair * _L : (9 * pair + 9) * _L]
+            pair += 1
+            for lane in range(n):
+                first, second = nodes[a, lane], nodes[b, lane]
+                length = dimension * (row_starts[first + 1] - row_starts[first])
+                start = square * row_starts[first] + dimension * places[a * n_nodes + b, lane]
+                for i in range(dimension):
+                    for k in range(dimension):
+                        data[start + i * length + k] += block[(3 * i + k) * _L + lane]
+                if a != b:
+                    length = dimension * (row_starts[second + 1] - row_starts[second])
+                    start = square * row_starts[second] + dimension * places[b * n_nodes + a, lane]
+                    for i in range(dimension):
+                        for k in range(dimension):
+                            data[start + k * length + i] += block[(3 * i + k) * _L + lane]
+
+
+@njit(
+    types.void(
+        *(types.intp, types.boolean, types.boolean, types.boolean),
+        *CELLS,
+        *(TOUCHED, MATRIX, TABLE, INDEX, LAW, VECTOR),
+        *(VECTOR, VECTOR, VECTOR, VECTOR),
+        *(INDEX, PLACES, INDEX, PLACES),
+        *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+    ),
+    parallel=True,
+    **OPTIONS,
+)
+def assemble(
+    dimension: Any,
+    affine: Any,
+    passive: Any,
+    with_tangent: Any,
+    sizes: Any,
+    starts: Any,
+    nodes: Any,
+    corners: Any,
+    fibre: Any,
+    weights: Any,
+    slopes: Any,
+    map_slopes: Any,
+    multipliers: Any,
+    shapes: Any,
+    blocks: Any,
+    colours: Any,
+    tangent_law: Any,
+    constants: Any,
+    displacement: Any,
+    pressure: Any,
+    tension: Any,
+    stiffness: Any,
+    row_starts: Any,
+    places: Any,
+    gradient_starts: Any,
+    gradient_places: Any,
+    force: Any,
+    constraint: Any,
+    stiffness_data: Any,
+    gradient_data: Any,
+    largest: Any,
+):
+    """Add internal force, constraint and their derivatives; `largest` (n_blocks,) gets the largest stress [Pa].
+
+    `tangent_law` is the material's tangent, or its stress where no tangent is wanted. Without `passive` the material
+    is left out: then only pressure and tension act.
+    """
+    n_nodes, n_multipliers, n_q = nodes.shape[1], multipliers.shape[1], weights.shape[0]
+    n_pairs = n_nodes * (n_nodes + 1) // 2
+    square = dimension * dimension
+    for colour in range(colours.shape[0] - 1):
+        for block in prange(colours[colour], colours[colour + 1]):
+            local = np.empty(3 * n_nodes * _L)
+            gradients = np.empty(3 * n_nodes * _L)
+            inverse, volume, at = np.empty(9 * _L), np.empty(_L), np.empty(_L)
+            state, out, extra, half = np.empty(15 * _L), np.empty(54 * _L), np.empty(14 * _L), np.empty(27 * _L)
+            local_force = np.empty(3 * n_nodes * _L)
+            local_constraint = np.empty((n_multipliers + 1) * _L)
+            local_stiffness = np.empty(9 * n_pairs * _L if with_tangent else 1)
+            local_gradient = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
+            top = 0.0
+            for batch in range(blocks[block, 0], blocks[block, 1]):
+                n = sizes[batch]
+                touched = nodes[batch]
+                gather(n, dimension, n_nodes, touched, displacement, local)
+                local_force[:] = 0.0
+                local_constraint[:] = 0.0
+                local_stiffness[:] = 0.0
+                local_gradient[:] = 0.0
+                for q in range(n_q):
+                    if q == 0 or not affine:
+                        volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
+                    shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
+                    identity(n, state)
+                    add_deformation(n, n_nodes, local, gradients, state)
+                    point = starts[batch] + q * n
+                    for lane in range(n):
+                        state[9 * _L + lane] = fibre[0, point + lane]
+                        state[10 * _L + lane] = fibre[1, point + lane]
+                        state[11 * _L + lane] = fibre[2, point + lane]
+                        state[12 * _L + lane] = 0.0
+                        state[13 * _L + lane] = tension[point + lane]
+                        state[14 * _L + lane] = stiffness[point + lane]
+                    for k in range(n_multipliers):
+                        for lane in range(n):
+                            state[12 * _L + lane] += shapes[q, k] * pressure[multipliers[batch, k, lane]]
+                    if passive:
+                        tangent_law(n, state, out, constants)
+                    else:
+                        out[:] = 0.0
+                    add_stress(n, state, extra, out)
+                    for lane in range(n):
+                        at[lane] = weights[q] * volume[lane]
+                    for row in range(9):
+                        for lane in range(n):
+                            top = max(top, abs(out[row * _L + lane]))
+                    add_force(n, n_nodes, at, gradients, out, local_force)
+                    for k in range(n_multipliers):
+                        for lane in range(n):
+                            change = shapes[q, k] * at[lane] * (extra[9 * _L + lane] - 1.0)
+                            local_constraint[k * _L + lane] += change
+                    if with_tangent:
+                        add_tangent(n, state, extra, out)
+                        add_stiffness(n, n_nodes, at, gradients, out, half, local_stiffness)
+                        if n_multipliers > 0:
+                            add_constraint(n, n_nodes, n_multipliers, at, gradients, shapes[q], extra, local_gradient)
+                for lane in range(n):
+                    for a in range(n_nodes):
+                        for i in range(dimension):
+                            force[dimension * touched[a, lane] + i] += local_force[(3 * a + i) * _L + lane]
+                    for k in range(n_multipliers):
+                        constraint[multipliers[batch, k, lane]] += local_constraint[k * _L + lane]
+                if with_tangent:
+                    _scatter_stiffness(
+                        n,
+                        dimension,
+                        n_nodes,
+                        square,
+                        touched,
+                        row_starts,
+                        places[batch],
+                        local_stiffness,
+                        stiffness_data,
+                    )
+                    for lane in range(n):
+                        for k in range(n_multipliers):
+                            base = dimension * gradient_starts[multipliers[batch, k, lane]]
+                            for a in range(n_nodes):
+                                pair = k * n_nodes + a
+                                entry = base + dimension * gradient_places[batch, pair, lane]
+                                for i in range(dimension):
+                                    gradient_data[entry + i] += local_gradient[(3 * pair + i) * _L + lane]
+            largest[block] = top
