@@ -1,0 +1,1 @@
+"""Loads: what acts on the named parts of a boundary."""

@@ -1,0 +1,1 @@
+"""Materials: the passive laws of the tissue."""
