@@ -108,13 +108,13 @@ def _dense(matrix: Matrix) -> Array:
 def _dimension(system: LinearSystem) -> int:
     """2 or 3: from the rigid motions where they are given, else from the length of the rows.
 
-    Quadratic elements couple about 23 unknowns to a row in the plane, and 80 in space.
+    Quadratic elements couple about 21 unknowns to a row in the plane, and 50 to 80 in space.
     """
     if system.rigid_motions is not None:
         return 3 if system.rigid_motions.shape[1] > 3 else 2
     stiffness = system.stiffness
     entries = stiffness.size if isinstance(stiffness, np.ndarray) else stiffness.nnz
-    return 3 if entries > 45 * stiffness.shape[0] else 2
+    return 3 if entries > 35 * stiffness.shape[0] else 2
 
 
 def _available() -> frozenset[str]:

@@ -7,8 +7,8 @@ The stage of a one-step method with end :math:`u_1` and fraction :math:`\theta` 
           c(u_1, p) = 0
 
 The multiplier `p` is one for the whole step; the constraint holds at its end. Unknowns are :math:`(u_1, p/s)`,
-equations force and :math:`s\,c`, both in N, with the solid's own scale `s` [Pa/m]. With :math:`\theta < 1` the constraint's
-gradient acts at the stage and is asked for at the end: the tangent is unsymmetric.
+equations force and :math:`s\,c`, both in N, with the solid's own scale `s` [Pa/m]. With :math:`\theta < 1` the
+constraint's gradient acts at the stage and is asked for at the end: the tangent is unsymmetric.
 """
 
 from __future__ import annotations
