@@ -1,7 +1,7 @@
 """myobridge: multi-scale muscle simulation, cross-bridges below, tissue above, joined by a coupling bus."""
 
 from myobridge.bus import CouplingBus
-from myobridge.errors import MyobridgeError, ParameterError, PluginError, SceneError, StepFailed
+from myobridge.errors import ContinuationFailed, MyobridgeError, ParameterError, PluginError, SceneError, StepFailed
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
     ActivationKinetics,
@@ -37,11 +37,14 @@ from myobridge.results import Result
 from myobridge.run import Run, resume, run
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
+from myobridge.static_run import StaticRun
+from myobridge.statics import Statics
 
 __all__ = [
     "ActivationKinetics",
     "ActiveLaw",
     "AffineLaw",
+    "ContinuationFailed",
     "ContinuationPath",
     "ContinuationProblem",
     "ContinuationStrategy",
@@ -72,6 +75,8 @@ __all__ = [
     "SceneError",
     "Signal",
     "Simulation",
+    "StaticRun",
+    "Statics",
     "StepFailed",
     "StepReport",
     "StepResult",

@@ -22,13 +22,13 @@ _TERMINATED = 143
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code: 0, 1 (the simulation failed), 2 (bad input), 130 (Ctrl-C), 143 (SIGTERM)."""
-    from myobridge.errors import StepFailed
+    from myobridge.errors import ContinuationFailed, StepFailed
     from myobridge.interrupts import Terminated
 
     options = _parser().parse_args(arguments)
     try:
         return options.command(options)
-    except StepFailed as error:
+    except (StepFailed, ContinuationFailed) as error:
         print(f"myobridge: {error}", file=sys.stderr)
         return 1
     except MyobridgeError as error:
@@ -69,9 +69,22 @@ def _parser() -> argparse.ArgumentParser:
     _add_settings(explain)
     explain.set_defaults(command=_explain)
 
-    show = verbs.add_parser("show", help="draw a result")
+    show = verbs.add_parser("show", help="draw a result: its body where it has one, else curves over time")
     show.add_argument("file", type=Path, help="result file (HDF5)")
     show.add_argument("-o", "--output", type=Path, help="picture (default: the result's name with .png)")
+    show.add_argument("--series", action="store_true", help="curves, also of a result with a body")
+    show.add_argument("--field", default="", metavar="NAME", help="field that colours the body, such as tension")
+    show.add_argument(
+        "--states",
+        default="",
+        metavar="LIST",
+        help="states of the body: a number of them, or 'first', 'last' and times",
+    )
+    show.add_argument("--cells", action="store_true", help="one colour a cell, not smoothed")
+    edges = argparse.BooleanOptionalAction
+    show.add_argument("--edges", action=edges, help="edges of the cells (default: where they are few)")
+    show.add_argument("--view", default="-60,22", metavar="A,E", help="azimuth and elevation of the eye [degrees]")
+    show.add_argument("--engine", default="auto", metavar="NAME", help="for bodies in space: pyvista or matplotlib")
     show.set_defaults(command=_show)
 
     plugins = verbs.add_parser("plugins", help="list what is installed")
@@ -110,6 +123,8 @@ def _run(options: argparse.Namespace) -> int:
     from myobridge.progress import follow
     from myobridge.run import resume, start
     from myobridge.scene import Scene
+    from myobridge.static_progress import follow_path
+    from myobridge.static_run import StaticRun
 
     if (options.scene is None) == (options.resume is None):
         raise SceneError("run: give a scene file, or --resume with a result file")
@@ -123,7 +138,12 @@ def _run(options: argparse.Namespace) -> int:
         scene = Scene.load(options.scene, settings)
         plan = Plan.of(scene)
         run = start(plan, options.output or Path(options.scene.stem + ".h5"))
-    follow(run, plan, until=options.until, quiet=options.quiet)
+    if isinstance(run, StaticRun):
+        if options.until is not None:
+            raise SceneError(f"--until {options.until:g}: the scene has no time; set continuation.to instead")
+        follow_path(run, plan, quiet=options.quiet)
+    else:
+        follow(run, plan, until=options.until, quiet=options.quiet)
     return 0
 
 
@@ -135,7 +155,7 @@ def _explain(options: argparse.Namespace) -> int:
     from myobridge.tables import effects_table, settings_table, sizes_table
 
     plan = Plan.of(Scene.load(options.scene, _settings(options.settings)))
-    plan.simulation()  # what does not go together is said here, not at the run
+    plan.composed()  # what does not go together is said here, not at the run
     console = Console()
     console.print(settings_table(plan))
     console.print(effects_table(plan))
@@ -144,14 +164,41 @@ def _explain(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace) -> int:
+    from myobridge.bodies import draw_body
     from myobridge.pictures import draw
     from myobridge.results import Result
 
     target = options.output or Path(options.file.stem + ".png")
     started = perf_counter()
-    draw(Result.load(options.file), target)
+    result = Result.load(options.file)
+    asked = {key: value for key, value in vars(options).items() if key in ("field", "states") and value}
+    if options.series and asked:
+        raise MyobridgeError(
+            f"show: --series draws curves, and --{next(iter(asked))} is for a body; drop one of the two"
+        )
+    if options.series or (result.mesh is None and not asked):
+        draw(result, target)
+    else:
+        draw_body(
+            result,
+            target,
+            field=options.field,
+            states=options.states,
+            per_cell=options.cells,
+            edges=options.edges,
+            view=_view(options.view),
+            engine=options.engine,
+        )
     print(f"wrote {target} ({perf_counter() - started:.1f} s)")
     return 0
+
+
+def _view(given: str) -> tuple[float, float]:
+    try:
+        azimuth, elevation = (float(word) for word in given.split(","))
+    except ValueError:
+        raise MyobridgeError(f"--view {given}: expected azimuth and elevation [degrees], such as -60,22") from None
+    return azimuth, elevation
 
 
 def _plugins(options: argparse.Namespace) -> int:

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from myobridge.parameters import declared
 from myobridge.registry import Registry
+from myobridge.scaling import Scaling
 
-__all__ = ["EFFECTS", "FAMILY_OF_SECTION", "SECTIONS", "known_effects", "suppliers"]
+__all__ = [
+    "EFFECTS",
+    "FAMILY_OF_SECTION",
+    "FIELDS_OF_SECTION",
+    "LISTS_OF_SOLID",
+    "NEED_TIME",
+    "SECTIONS",
+    "known_effects",
+    "suppliers",
+]
 
 EFFECTS: Mapping[str, str] = {
     "inertia": "masses resist acceleration; without it every step is an equilibrium",
@@ -36,8 +47,18 @@ FAMILY_OF_SECTION: Mapping[str, str] = {
     "solid": "macro_solid",
     "integrator": "time_integrator",
     "coupling": "coupling",
+    "continuation": "continuation",
     **SECTIONS,
 }
+
+# Keys of a section that are not its plugin's.
+FIELDS_OF_SECTION: Mapping[str, frozenset[str]] = {"continuation": frozenset(declared(Scaling))}
+
+# Lists at the top of a scene that belong to its solid.
+LISTS_OF_SOLID = ("load", "support", "region")
+
+# Effects that do nothing in a scene without time.
+NEED_TIME = ("inertia", "viscosity", "calcium", "force_velocity", "cross_bridge_mass")
 
 
 def suppliers(registry: Registry, effect: str) -> list[str]:

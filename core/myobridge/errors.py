@@ -6,7 +6,15 @@ import difflib
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["ContinuationFailed", "MyobridgeError", "ParameterError", "PluginError", "SceneError", "StepFailed", "nearest"]
+__all__ = [
+    "ContinuationFailed",
+    "MyobridgeError",
+    "ParameterError",
+    "PluginError",
+    "SceneError",
+    "StepFailed",
+    "nearest",
+]
 
 
 class MyobridgeError(Exception):

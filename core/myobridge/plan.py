@@ -9,22 +9,16 @@ from typing import Any
 import attrs
 
 from myobridge.build import build
-from myobridge.effects import (
-    EFFECTS,
-    FAMILY_OF_SECTION,
-    FIELDS_OF_SECTION,
-    LISTS_OF_SOLID,
-    NEED_TIME,
-    SECTIONS,
-    known_effects,
-    suppliers,
-)
+from myobridge.effects import EFFECTS, FAMILY_OF_SECTION, FIELDS_OF_SECTION, SECTIONS, known_effects, suppliers
 from myobridge.errors import MyobridgeError, ParameterError, SceneError, nearest
 from myobridge.look_ahead import check_activation, check_prescribed_stretch, memory_of_this_machine
 from myobridge.parameters import declared, optional_effects
 from myobridge.registry import Registry, registry
+from myobridge.scaling import Scaling
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
+from myobridge.static_plan import check_effects, composed_statics, lists_given, merged, scaling_of
+from myobridge.statics import Statics
 from myobridge.stimulation import located
 
 __all__ = ["Plan"]
@@ -41,11 +35,14 @@ class Plan:
         Built plugins by section; a section that the scene does without is absent.
     names : mapping
         Short name of each part's plugin.
+    scaling : Scaling or None
+        What a scene without time raises.
     """
 
     scene: Scene
     parts: Mapping[str, Any]
     names: Mapping[str, str]
+    scaling: Scaling | None = None
 
     @classmethod
     def of(cls, scene: Scene, plugins: Registry | None = None) -> Plan:
@@ -58,16 +55,17 @@ class Plan:
         """
         found = registry() if plugins is None else plugins
         try:
-            tables = _tables(scene, found)
+            tables, scaling = _tables(scene, found), scaling_of(scene)
             parts = {section: _part(found, section, table, scene) for section, table in tables.items()}
             _check_suppliers(scene, found, parts)
-            _check_inertia(scene, parts)
+            if not scene.static:
+                _check_inertia(scene, parts)
         except ParameterError as error:
             raise SceneError(f"{scene.origin.of(error.key)}{error.key}: {error.problem}") from None
-        return cls(scene, parts, {section: str(table["plugin"]) for section, table in tables.items()})
+        return cls(scene, parts, {section: str(table["plugin"]) for section, table in tables.items()}, scaling)
 
-    def simulation(self) -> Simulation:
-        """The simulation, ready to step.
+    def composed(self) -> Simulation | Statics:
+        """The simulation, ready to step, or the statics of a scene without time.
 
         Raises
         ------
@@ -76,6 +74,8 @@ class Plan:
         """
         scene, parts = self.scene, dict(self.parts)
         try:
+            if self.scaling is not None:
+                return composed_statics(scene, self.scaling, parts)
             _check_memory(self.sizes())
             simulation = _composed(scene, parts)
             _check_record(scene, simulation)
@@ -85,6 +85,19 @@ class Plan:
             section = str(error).partition(":")[0]
             raise SceneError(f"{scene.origin.of(section)}{error}") from None
         return simulation
+
+    def simulation(self) -> Simulation:
+        """The simulation, ready to step.
+
+        Raises
+        ------
+        SceneError
+            If the parts do not go together, or the scene is without time.
+        """
+        found = self.composed()
+        if not isinstance(found, Simulation):
+            raise SceneError(f"{self.scene.origin.of('continuation')}continuation: a scene without time does not step")
+        return found
 
     def effects(self) -> list[tuple[str, str, str]]:
         """(effect, "on" | "off" | "inherent", what supplies it or why it is off); plugins may add to the known ones."""
@@ -124,7 +137,8 @@ def _tables(scene: Scene, plugins: Registry) -> dict[str, Mapping[str, Any]]:
     for index, effect in enumerate(scene.effects):
         if effect not in known:
             raise ParameterError(f"scene.effects[{index}]", f"there is no effect '{effect}'. {nearest(effect, known)}")
-    tables: dict[str, Mapping[str, Any]] = {"solid": scene.solid}
+    check_effects(scene)
+    tables: dict[str, Mapping[str, Any]] = {"solid": merged(scene, plugins)}
     for section in SECTIONS:
         table = getattr(scene, section)
         if table is not None and section not in scene.effects:
@@ -139,6 +153,8 @@ def _tables(scene: Scene, plugins: Registry) -> dict[str, Mapping[str, Any]]:
             if section != "cross_bridges" and "cross_bridges" not in scene.effects:
                 raise ParameterError("scene.effects", f"'{section}' acts on cross-bridges; add 'cross_bridges'")
             tables[section] = table
+    if scene.continuation is not None:
+        return tables | {"continuation": scene.continuation}
     inertia = "inertia" in scene.effects
     tables["integrator"] = scene.integrator or {"plugin": "midpoint" if inertia else "quasi_static"}
     if "cross_bridges" in scene.effects:
@@ -149,10 +165,12 @@ def _tables(scene: Scene, plugins: Registry) -> dict[str, Mapping[str, Any]]:
 
 
 def _part(plugins: Registry, section: str, table: Mapping[str, Any], scene: Scene) -> Any:
+    mine = {key: value for key, value in table.items() if key not in FIELDS_OF_SECTION.get(section, ())}
     try:
-        return build(plugins, FAMILY_OF_SECTION[section], table, scene.effects, scene.folder or Path())
+        return build(plugins, FAMILY_OF_SECTION[section], mine, scene.effects, scene.folder or Path())
     except ParameterError as error:
-        raise ParameterError(f"{section}.{error.key}", error.problem) from None
+        top = section == "solid" and any(error.key.startswith(f"{name}[") for name in lists_given(scene))
+        raise ParameterError(error.key if top else f"{section}.{error.key}", error.problem) from None
 
 
 def _check_memory(sizes: Mapping[str, int]) -> None:

@@ -16,11 +16,15 @@ from myobridge.recording import Record, Recorder
 from myobridge.results import Checkpoint, Result, check_writable, provenance
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
+from myobridge.static_run import StaticRun
 
 __all__ = ["Run", "resume", "run", "start"]
 
 # Not what is recorded: the rows that exist could not be continued.
 _RESUMABLE = ("scene.duration", "record.every", "record.density_at", "record.checkpoint_every")
+# Without time the strategy may change, so that a path which failed is tried in another way; not what is raised.
+_FIXED = ("of", "to")
+_RESUMABLE_STATICS = ("continuation.plugin and its parameters", "continuation.report", "record.checkpoint_every")
 
 
 class Run:
@@ -149,7 +153,7 @@ def run(
     output: str | os.PathLike[str] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Result:
-    """Run a scene, or the scene in a file, to its end.
+    """Run a scene, or the scene in a file, to its end; one without time is followed to its last scale.
 
     Parameters
     ----------
@@ -169,34 +173,33 @@ def run(
         scene = Scene.load(scene, settings)
     elif settings:
         scene = scene.with_settings(settings)
-    plan = Plan.of(scene)
-    return start(plan, output).to(scene.duration)
+    under_way = start(Plan.of(scene), output)
+    return under_way.trace() if isinstance(under_way, StaticRun) else under_way.to(scene.duration)
 
 
-def start(plan: Plan, output: str | os.PathLike[str] | None = None) -> Run:
+def start(plan: Plan, output: str | os.PathLike[str] | None = None) -> Run | StaticRun:
     """Run of a plan, not yet stepped."""
-    scene = plan.scene
-    return Run(
-        plan.simulation(),
-        scene.record,
-        scene=scene.to_toml(),
-        plugins=plan.names,
-        folder=scene.folder,
-        output=output,
-    )
+    scene, composed = plan.scene, plan.composed()
+    said: dict[str, Any] = {"scene": scene.to_toml(), "plugins": plan.names, "folder": scene.folder, "output": output}
+    if isinstance(composed, Simulation):
+        return Run(composed, scene.record, **said)
+    return StaticRun(composed, scene.record, **said)
 
 
 def resume(
     path: str | os.PathLike[str],
     output: str | os.PathLike[str] | None = None,
     settings: Mapping[str, Any] | None = None,
-) -> tuple[Run, Scene]:
+) -> tuple[Run | StaticRun, Scene]:
     """Run that continues a result file, bit by bit as if it had never stopped.
+
+    A path of equilibria goes on from its last point, with the strategy at its first step.
 
     Parameters
     ----------
     settings : mapping, optional
-        Only the duration, and when something is kept, may change; anything else would be another simulation.
+        Only the duration, and when something is kept, may change; without time the continuation strategy. Anything else
+        would be another simulation.
 
     Raises
     ------
@@ -204,17 +207,29 @@ def resume(
         If a setting would change the simulation, or the file's scene cannot be built any more.
     """
     earlier = Result.load(path)
-    for key in settings or {}:
-        if key not in _RESUMABLE:
-            raise SceneError(
-                f"--set {key}: cannot change when a run is resumed; allowed: {', '.join(_RESUMABLE)}. "
-                "For another simulation, start a new run"
-            )
     if not earlier.scene:
         raise SceneError(f"{path}: holds no scene (it was composed in Python), so it cannot be resumed from the file")
     folder = Path(earlier.provenance.get("folder", "."))
-    scene = Scene.from_toml(earlier.scene, folder=folder, source=f"{path} (scene)", settings=settings)
+    source = f"{path} (scene)"
+    if settings:
+        _check_settings(settings, Scene.from_toml(earlier.scene, folder=folder, source=source).static)
+    scene = Scene.from_toml(earlier.scene, folder=folder, source=source, settings=settings)
     continued = start(Plan.of(scene), path if output is None else output)
+    if isinstance(continued, StaticRun):
+        continued.resume(earlier)
+        return continued, scene
     earlier.checkpoint.restore(continued.simulation)
     continued.recorder.resume(earlier.series, earlier.densities, earlier.fields, continued.simulation)
     return continued, scene
+
+
+def _check_settings(settings: Mapping[str, Any], static: bool) -> None:
+    for key in settings:
+        section, _, name = key.partition(".")
+        free = (section == "continuation" and name not in _FIXED) or key == "record.checkpoint_every"
+        if not (free if static else key in _RESUMABLE):
+            allowed = _RESUMABLE_STATICS if static else _RESUMABLE
+            raise SceneError(
+                f"--set {key}: cannot change when a run is resumed; allowed: {', '.join(allowed)}. "
+                "For another simulation, start a new run"
+            )

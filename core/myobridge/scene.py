@@ -7,19 +7,19 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import attrs
 
-from myobridge.effects import EFFECTS, FAMILY_OF_SECTION
+from myobridge.effects import EFFECTS, LISTS_OF_SOLID
 from myobridge.errors import ParameterError, SceneError, nearest
 from myobridge.location import Origin
 from myobridge.parameters import declared, number, text
 from myobridge.recording import Record
-from myobridge.registry import registry
+from myobridge.settings import normalised, override
 
 __all__ = ["Scene"]
 
@@ -63,6 +63,16 @@ def _table(value: Any, _self: Any, field: attrs.Attribute[Any]) -> Table | None:
     return _freeze(value, field.name)
 
 
+def _tables(value: Any, _self: Any, field: attrs.Attribute[Any]) -> tuple[Table, ...]:
+    key = field.name.removesuffix("s")
+    if not isinstance(value, list | tuple):
+        raise ParameterError(key, f"is {value!r}; expected a list of tables, [[{key}]]")
+    for index, item in enumerate(value):
+        if not isinstance(item, Mapping):
+            raise ParameterError(f"{key}[{index}]", f"is {item!r}; expected a table")
+    return _freeze(value, key)
+
+
 def _effects(value: Any) -> tuple[str, ...]:
     if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
         raise ParameterError("effects", f"is {value!r}; expected a list of names. {nearest('', EFFECTS)}")
@@ -77,6 +87,11 @@ def _section(required: bool = False) -> Any:
     return attrs.field(default=attrs.NOTHING if required else None, converter=converter)
 
 
+def _list() -> Any:
+    converter = attrs.Converter(_tables, takes_self=True, takes_field=True)  # pyright: ignore[reportCallIssue]
+    return attrs.field(default=(), converter=converter)
+
+
 @attrs.frozen(kw_only=True)
 class Scene:
     """Frozen description of a simulation.
@@ -87,10 +102,15 @@ class Scene:
     effects : sequence of str
         Phenomena called for; nothing else is computed.
     duration, step : float
-        Simulated time and nominal step [s].
+        Simulated time and nominal step [s]; not given in a scene without time.
     solid : mapping
         ``plugin`` and its parameters; likewise `cross_bridges`, `activation`, `calcium`, `sarcomere_density`,
         `integrator` and `coupling`, which may be left out.
+    loads, supports, regions : sequence of mapping
+        Lists ``[[load]]``, ``[[support]]``, ``[[region]]``, which belong to the solid, where it declares them.
+    continuation : mapping, optional
+        Makes a scene without time: ``plugin`` and the parameters of the strategy, and those of
+        `myobridge.scaling.Scaling`, which say what is raised and how far.
     record : Record or mapping
         What is kept.
     folder : Path, optional
@@ -100,19 +120,43 @@ class Scene:
     """
 
     name: str = text("scene", doc="name of the scene")
-    duration: float = number(unit="s", within="(0, inf)", doc="simulated time")
-    step: float = number(unit="s", within="(0, inf)", doc="nominal step")
+    duration: float = number(None, unit="s", within="(0, inf)", doc="simulated time")
+    step: float = number(None, unit="s", within="(0, inf)", doc="nominal step")
     effects: tuple[str, ...] = attrs.field(default=(), converter=_effects)
     solid: Table = _section(required=True)
+    loads: tuple[Table, ...] = _list()
+    supports: tuple[Table, ...] = _list()
+    regions: tuple[Table, ...] = _list()
     cross_bridges: Table | None = _section()
     activation: Table | None = _section()
     calcium: Table | None = _section()
     sarcomere_density: Table | None = _section()
     integrator: Table | None = _section()
     coupling: Table | None = _section()
+    continuation: Table | None = _section()
     record: Record = attrs.field(factory=Record, converter=lambda value: _record(value))
     folder: Path | None = attrs.field(default=None, eq=False, repr=False)
     origin: Origin = attrs.field(factory=Origin, eq=False, repr=False)
+
+    def __attrs_post_init__(self) -> None:
+        for key in ("duration", "step"):
+            given = getattr(self, key) is not None
+            if self.static and given:
+                raise ParameterError(
+                    key, "is given, and [continuation] makes a scene without time; leave out duration and step, or that"
+                )
+            if not self.static and not given:
+                raise ParameterError(
+                    key, "is missing; expected a number in (0, inf) [s], or a [continuation] for a scene without time"
+                )
+        for key in ("integrator", "coupling"):
+            if self.static and getattr(self, key) is not None:
+                raise ParameterError(key, "steps through time, and a scene with [continuation] has none; leave it out")
+
+    @property
+    def static(self) -> bool:
+        """Whether the scene is without time."""
+        return self.continuation is not None
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], settings: Mapping[str, Any] | None = None) -> Scene:
@@ -147,10 +191,10 @@ class Scene:
     def _from_data(
         cls, data: dict[str, Any], folder: Path | None, origin: Origin, settings: Mapping[str, Any]
     ) -> Scene:
-        origin = attrs.evolve(origin, settings=(*origin.settings, *settings))
+        origin = attrs.evolve(origin, settings=(*origin.settings, *map(normalised, settings)))
         for key, value in settings.items():
             try:
-                _override(data, key, value)
+                override(data, key, value, _SECTIONS)
             except ParameterError as error:
                 raise SceneError(f"{origin.of(key)}{error.key}: {error.problem}") from None
         try:
@@ -162,14 +206,15 @@ class Scene:
 
     def to_data(self) -> dict[str, Any]:
         """Plain nested data, as in the TOML file."""
-        data: dict[str, Any] = {"scene": {key: _thaw(getattr(self, key)) for key in _HEAD}}
+        head = {key: _thaw(getattr(self, key)) for key in _HEAD}
+        data: dict[str, Any] = {"scene": {key: value for key, value in head.items() if value is not None}}
         for key in _SECTIONS:
-            value = getattr(self, key)
+            value = getattr(self, _attribute(key))
             if key == "record":
                 standard = Record()
                 fields = {item.name: getattr(value, item.name) for item in attrs.fields(Record)}
                 value = {name: item for name, item in fields.items() if item != getattr(standard, name)} or None
-            if value is not None:
+            if value is not None and value != ():
                 data[key] = _thaw(value)
         return data
 
@@ -187,12 +232,14 @@ class Scene:
 _HEAD = ("name", "duration", "step", "effects")
 _SECTIONS = (
     "solid",
+    *LISTS_OF_SOLID,
     "cross_bridges",
     "activation",
     "calcium",
     "sarcomere_density",
     "integrator",
     "coupling",
+    "continuation",
     "record",
 )
 
@@ -202,18 +249,20 @@ def _fields(data: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in data.items():
         if key != "scene" and key not in _SECTIONS:
             raise ParameterError(key, f"is no section. {nearest(key, ['scene', *_SECTIONS])}")
-        if not isinstance(value, Mapping):
+        if key not in LISTS_OF_SOLID and not isinstance(value, Mapping):
             raise ParameterError(key, f"is {value!r}; expected a table, [{key}]")
     head = dict(data.get("scene", {}))
     for key in head:
         if key not in _HEAD:
             raise ParameterError(f"scene.{key}", f"is unknown. {nearest(key, _HEAD)}")
-    for key in ("duration", "step"):
-        if key not in head:
-            raise ParameterError(f"scene.{key}", "is missing; expected a number in (0, inf) [s]")
     if "solid" not in data:
         raise ParameterError("solid", "is missing; a scene needs a [solid] with a plugin")
-    return head | {key: data[key] for key in _SECTIONS if key in data}
+    return head | {_attribute(key): data[key] for key in _SECTIONS if key in data}
+
+
+def _attribute(section: str) -> str:
+    """Name of the attribute of a scene that holds a section."""
+    return f"{section}s" if section in LISTS_OF_SOLID else section
 
 
 def _record(value: Any) -> Record:
@@ -229,36 +278,3 @@ def _record(value: Any) -> Record:
         return Record(**value)
     except ParameterError as error:
         raise ParameterError(f"record.{error.key}", error.problem) from None
-
-
-def _override(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a dotted key; tables on the way are made."""
-    first, *rest = key.split(".")
-    if not rest:
-        allowed = [f"{section}." for section in ("scene", *_SECTIONS)]
-        raise ParameterError(key, f"cannot be set: expected SECTION.KEY=VALUE. {nearest(key + '.', allowed)}")
-    table: Any = data
-    for name in (first, *rest[:-1]):
-        table = table.setdefault(name, {})
-        if not isinstance(table, dict):
-            raise ParameterError(key, f"cannot be set: '{name}' is {table!r}, no table")
-    table[rest[-1]] = value
-    family = _family(data, first, rest[:-1]) if rest[-1] == "plugin" and isinstance(value, str) else ""
-    if family and value in registry().names(family):
-        # Another plugin: what both know (p_max, rates) stays, what only the old one knew goes.
-        known = {"plugin", "parameters", *declared(registry().find(family, value).cls)}
-        for name in set(table) - known:
-            del table[name]
-
-
-def _family(data: Mapping[str, Any], section: str, inner: Sequence[str]) -> str:
-    """Family of the plugin that the table `section`, or a part within it, names; empty where none is known."""
-    family, table = FAMILY_OF_SECTION.get(section, ""), data.get(section, {})
-    for name in inner:
-        plugin = table.get("plugin", "") if isinstance(table, Mapping) else ""
-        if not family or plugin not in registry().names(family):
-            return ""
-        item = declared(registry().find(family, plugin).cls).get(name)
-        family = "" if item is None else item.family
-        table = table.get(name, {})
-    return family

@@ -176,8 +176,8 @@ def _check_parts(
 ) -> None:
     if solid.n_unknowns == 0:
         raise SceneError(
-            f"solid: {type(solid).__name__} prescribes the stretch, so without time there is nothing to find; leave out "
-            "[continuation] and give a duration and a step"
+            f"solid: {type(solid).__name__} prescribes the stretch, so without time there is nothing to find; leave "
+            "out [continuation] and give a duration and a step"
         )
     if cross_bridges is None:
         for name, given in {"activation": activation, "sarcomere_density": sarcomere_density}.items():

@@ -17,6 +17,8 @@ from myobridge.parameters import declared
 from myobridge.plan import Plan
 from myobridge.registry import Registry
 from myobridge.run import Run
+from myobridge.scaling import Scaling
+from myobridge.static_recording import STATIC_QUANTITIES
 
 __all__ = [
     "effects_table",
@@ -34,8 +36,9 @@ def settings_table(plan: Plan) -> Table:
     table = Table(title=escape(f"settings of '{plan.scene.name}'"), title_justify="left")
     for column in ("section", "parameter", "value", "unit"):
         table.add_column(column)
-    table.add_row("scene", "duration", f"{plan.scene.duration:g}", "s")
-    table.add_row("", "step", f"{plan.scene.step:g}", "s")
+    if plan.scaling is None:
+        table.add_row("scene", "duration", f"{plan.scene.duration:g}", "s")
+        table.add_row("", "step", f"{plan.scene.step:g}", "s")
     for section, part in plan.parts.items():
         table.add_row(section, "plugin", plan.names[section], "-", end_section=not declared(type(part)))
         for name, item in declared(type(part)).items():
@@ -43,11 +46,16 @@ def settings_table(plan: Plan) -> Table:
             if item.effect and item.effect not in plan.scene.effects:
                 continue
             table.add_row("", name, escape(_short(value)), item.unit)
+        if section == "continuation" and plan.scaling is not None:
+            for name, item in declared(type(plan.scaling)).items():
+                table.add_row("", name, escape(_short(getattr(plan.scaling, name))), item.unit)
     return table
 
 
 def _short(value: Any) -> str:
     if isinstance(value, tuple) and len(value) > 4:
+        if not all(isinstance(item, int | float) for item in value):
+            return f"{len(value)} entries"
         return f"{len(value)} values, {min(value):g} to {max(value):g}"
     if isinstance(value, tuple):
         return "(" + ", ".join(_short(item) for item in value) + ")"
@@ -80,10 +88,15 @@ def sizes_table(plan: Plan) -> Table:
     table.add_row("solid", f"{solid.n_unknowns:,} unknowns, {solid.n_sites:,} sites")
     if model is None:
         table.add_row("population", "none: no cross-bridges called for")
+    elif plan.scaling is not None:
+        table.add_row("population", "none: without time its isometric steady tension acts")
     else:
         sizes = plan.sizes()
         values, size = sizes["values a site"], sizes["population bytes"]
         table.add_row("population", f"{values:,} values a site, {_bytes(size)} (state and trial)")
+    if plan.scaling is not None:
+        _add_path(table, plan, plan.scaling)
+        return table
     steps = round(plan.scene.duration / plan.scene.step)
     table.add_row("time", f"{steps:,} steps of {plan.scene.step:g} s")
     record = plan.scene.record
@@ -95,6 +108,16 @@ def sizes_table(plan: Plan) -> Table:
         names = "all that exist" if record.fields is None else ", ".join(record.fields)
         table.add_row("fields", f"every {gap:,} steps, on {len(mesh.cells):,} cells: {names}")
     return table
+
+
+def _add_path(table: Table, plan: Plan, scaling: Scaling) -> None:
+    """Rows of a scene without time: what is raised how far, and what is kept where."""
+    raised = (scaling.of or ("tension" if "cross_bridges" in plan.parts else "load")).replace("_", " ")
+    table.add_row("time", "none: a path of equilibria")
+    table.add_row("scale", f"{raised}, from 0 to {scaling.to:g}, by the strategy '{plan.names['continuation']}'")
+    quantities = [name for name in plan.scene.record.wanted(plan.parts["solid"]) if name in STATIC_QUANTITIES]
+    table.add_row("record", f"every accepted point: {', '.join(quantities) or 'scale only'}")
+    table.add_row("states", f"kept at the scales {', '.join(f'{scale:g}' for scale in scaling.kept().values())}")
 
 
 def _bytes(size: float) -> str:

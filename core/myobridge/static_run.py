@@ -1,0 +1,201 @@
+"""Run without time: a path of equilibria from start to end, with a file that is complete at every moment."""
+
+from __future__ import annotations
+
+import os
+import time
+import warnings
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from myobridge.errors import ContinuationFailed, MyobridgeError
+from myobridge.interfaces import ContinuationPath, PathPoint
+from myobridge.interrupts import postponed
+from myobridge.recording import Record
+from myobridge.results import Result, check_writable, provenance
+from myobridge.static_recording import PathRecorder
+from myobridge.statics import Statics
+
+__all__ = ["StaticRun", "UnstableEquilibrium"]
+
+
+class UnstableEquilibrium(UserWarning):
+    """A path holds states that would not stay: their tangent has negative eigenvalues."""
+
+
+class StaticRun:
+    """A path of equilibria under way, its recorder and its file.
+
+    Parameters
+    ----------
+    statics : Statics
+    record : Record, optional
+        What to keep.
+    scene : str
+        TOML of the scene, kept in the file.
+    plugins : mapping, optional
+        Names of the plugins, for the provenance.
+    folder : Path, optional
+        Folder of the scene's files, for a later resume.
+    output : path, optional
+        File to keep; without, the result lives in memory only.
+
+    Raises
+    ------
+    MyobridgeError
+        If the file cannot be written: now, not after hours of computing.
+    """
+
+    def __init__(
+        self,
+        statics: Statics,
+        record: Record | None = None,
+        *,
+        scene: str = "",
+        plugins: Mapping[str, str] | None = None,
+        folder: Path | None = None,
+        output: str | os.PathLike[str] | None = None,
+    ) -> None:
+        self.statics = statics
+        self.recorder = PathRecorder(record or Record(), statics)
+        self.output = None if output is None else check_writable(output)
+        self._written = self._saving = 0.0
+        self._scene = scene
+        self._provenance = provenance(plugins or {}) | {"folder": str((folder or Path()).resolve())}
+
+    @property
+    def finished(self) -> bool:
+        """Whether the path has reached its end."""
+        return bool(self.recorder.points) and self.recorder.points[-1].level == 1.0
+
+    def trace(self, after_point: Callable[[Statics, PathPoint], Any] | None = None) -> Result:
+        """Follow the path to its end; what interrupts it finds the path so far on disk.
+
+        Parameters
+        ----------
+        after_point : callable, optional
+            Called with the statics and each accepted point.
+
+        Raises
+        ------
+        ContinuationFailed
+            When the path ends early; its `result` holds the path so far.
+        KeyboardInterrupt
+            On Ctrl-C and SIGTERM, after the point under way has been found and the file written.
+
+        Warns
+        -----
+        UnstableEquilibrium
+            If accepted states have negative eigenvalues.
+        """
+        if self.finished:
+            return self._keep()
+        self._written = time.perf_counter()
+        with postponed() as interrupts:
+
+            def watch(point: PathPoint) -> None:
+                self.recorder.observe(point)
+                self._save_if_due()
+                if after_point is not None:
+                    after_point(self.statics, point)
+                interrupts.check()
+
+            try:
+                path = self.statics.trace(watch, tuple(self.recorder.points[-2:]))
+            except ArithmeticError as error:  # the signs of the eigenvalues cannot be told
+                path = ContinuationPath((), False, f"the continuation stopped: {error}.")
+            except BaseException:
+                if self.recorder.points:
+                    self._keep()
+                raise
+        if not path.completed:
+            raise self._failure(path.reason)
+        result = self._keep()
+        said = self.unstable()
+        if said:
+            warnings.warn(said, UnstableEquilibrium, stacklevel=2)
+        return result
+
+    def unstable(self) -> str:
+        """Which accepted states are unstable, in a sentence; empty where none is."""
+        series = self.recorder.series()
+        if not series:
+            return ""
+        bad = series["negative_eigenvalues"] > 0
+        if not np.any(bad):
+            return ""
+        scales = series["scale"][bad]
+        return (
+            f"{int(bad.sum())} of {bad.size} states are unstable, at scales from {scales.min():.6g} to "
+            f"{scales.max():.6g}, with up to {int(series['negative_eigenvalues'].max())} negative eigenvalues: they "
+            "are equilibria, but the body would not stay in them"
+        )
+
+    def result(self) -> Result:
+        """Result so far."""
+        recorder = self.recorder
+        return Result(
+            recorder.series(),
+            (),
+            self._scene,
+            self._provenance,
+            recorder.checkpoint(),
+            recorder.columns,
+            recorder.mesh,
+            recorder.fields(),
+        )
+
+    def resume(self, earlier: Result) -> None:
+        """Continue the path of an earlier result.
+
+        Raises
+        ------
+        MyobridgeError
+            If it is the path of another problem.
+        """
+        try:
+            self.recorder.resume(earlier.series, earlier.fields, earlier.checkpoint)
+        except (KeyError, IndexError, ValueError) as error:
+            raise MyobridgeError(
+                f"the path does not fit the scene ({error}); was it written by another version?"
+            ) from None
+
+    def _failure(self, reason: str) -> ContinuationFailed:
+        points = self.recorder.points
+        if not points:
+            hint = ""
+            if self.statics.of == "tension":
+                hint = " All loads act in full from the start; of = 'tension_and_load' raises them with the tension."
+            if self.statics.of == "load" and self.statics.tension is not None:
+                hint = " The tension acts in full from the start; of = 'tension_and_load' raises it with the load."
+            return ContinuationFailed(f"{reason}{hint} Nothing was found, so no file was written")
+        scale, level = self.statics.scale(points[-1].level), points[-1].level
+        said = f"{reason} Level {level:.6g} is the scale {scale:.6g}"
+        result = self._keep()
+        if self.output is not None:
+            said += (
+                f"; the path so far, {self.recorder.n_rows} points, is in {self.output}: --resume {self.output} with "
+                "--set continuation.KEY=VALUE goes on from there"
+            )
+        failure = ContinuationFailed(said)
+        failure.result = result
+        return failure
+
+    def _save_if_due(self) -> None:
+        now = time.perf_counter()
+        # A file costs at most a twentieth of the run, however large it has grown.
+        due = max(self.recorder.record.checkpoint_every, 20.0 * self._saving)
+        if self.output is None or now - self._written <= due:
+            return
+        self.result().save(self.output)
+        self._written = time.perf_counter()
+        self._saving = self._written - now
+
+    def _keep(self) -> Result:
+        result = self.result()
+        if self.output is not None:
+            result.save(self.output)
+        return result
