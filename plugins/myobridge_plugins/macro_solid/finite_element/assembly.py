@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
@@ -59,7 +59,7 @@ class Assembly:
     fibre : ndarray, (3, n_points)
         Reference direction at every point.
     threads : int
-        Threads of a loop over blocks; the answer does not depend on it.
+        Threads of a loop over blocks, 0: all; the answer does not depend on it.
     """
 
     def __init__(
@@ -180,8 +180,10 @@ class Assembly:
     def _set_threads(self) -> None:
         import numba
 
-        if numba.get_num_threads() != self.threads:
-            numba.set_num_threads(min(self.threads, numba.config.NUMBA_NUM_THREADS))
+        config: Any = numba.config  # pyright: ignore[reportPrivateImportUsage]
+        wanted = min(self.threads or config.NUMBA_NUM_THREADS, config.NUMBA_NUM_THREADS)
+        if numba.get_num_threads() != wanted:
+            numba.set_num_threads(wanted)
 
 
 def at_rest(material: Material, fibre: Array) -> tuple[Array, Array]:

@@ -75,7 +75,7 @@ class Body:
         loads: Sequence[Load],
         elements: str | None,
         bulk_modulus: float | None,
-        weight: Sequence[float] | None,
+        weight: Array | None,
         thickness: float,
         degree: int,
         threads: int,
@@ -112,7 +112,7 @@ class Body:
         nodes = {name: np.unique(part.nodes) for name, part in parts.items()}
         full_weight = np.zeros(dimension * grid.n_nodes)
         if weight is not None:
-            full_weight = (_nodal_volumes(grid)[:, None] * np.asarray(weight)).ravel()
+            full_weight = (_nodal_volumes(grid)[:, None] * weight).ravel()
         loading = Loading(tuple(loads), [parts[load.boundary] for load in loads], full_weight, dimension)
         loading.check()
         strict = bulk_modulus is not None and np.isinf(bulk_modulus)
@@ -251,7 +251,9 @@ def _boundaries(supports: Sequence[Support], loads: Sequence[Load]) -> list[tupl
 
 def _nodal_volumes(grid: Discretisation) -> Array:
     shares = grid.volumes[:, None] * grid.cell.values[grid.quadrature_of_point]
-    return np.bincount(grid.nodes[grid.cell_of_point].ravel(), weights=shares.ravel(), minlength=grid.n_nodes)
+    volumes = np.zeros(grid.n_nodes)
+    np.add.at(volumes, grid.nodes[grid.cell_of_point].ravel(), shares.ravel())
+    return volumes
 
 
 def _mass(grid: Discretisation, table: np.ndarray, values: Array, size: int) -> Any:

@@ -120,8 +120,6 @@ class FiniteElement(MacroSolid):
             return self.shared
         if self.quadrature in (3, 4):
             raise ParameterError("quadrature", f"is {self.quadrature}, whose rule on tetrahedra has a negative weight")
-        import numba
-
         mesh = self.mesh.mesh()
         weight = None if self.gravity is None else self.density * self._acceleration(mesh.p.shape[0])
         return Body.of(
@@ -136,7 +134,7 @@ class FiniteElement(MacroSolid):
             weight=weight,
             thickness=self.thickness,
             degree=self.quadrature,
-            threads=self.threads or numba.config.NUMBA_NUM_THREADS,
+            threads=self.threads,
         )
 
     def _acceleration(self, dimension: int) -> Array:

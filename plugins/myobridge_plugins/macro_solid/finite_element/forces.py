@@ -87,9 +87,10 @@ def per_support(body: Body, force: Array) -> dict[str, Array]:
     left, found = force.copy(), dict[str, Array]()
     for support, numbers in zip(body.held.supports, body.held.numbers, strict=True):
         axes = numbers % body.grid.dimension
-        total = np.bincount(axes, weights=left[numbers], minlength=body.grid.dimension)
+        total = np.zeros(body.grid.dimension)
+        np.add.at(total, axes, left[numbers])
         left[numbers] = 0.0
-        found[support.boundary] = found.get(support.boundary, 0.0) + total
+        found[support.boundary] = found[support.boundary] + total if support.boundary in found else total
     return found
 
 
