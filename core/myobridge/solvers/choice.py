@@ -7,6 +7,7 @@ from typing import ClassVar, NamedTuple, final
 import attrs
 import numpy as np
 
+from myobridge.errors import PluginError
 from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, Matrix
 from myobridge.solvers.dense import DenseFactorisation
 from myobridge.solvers.inertia import Inertia
@@ -96,7 +97,11 @@ def factorise(tangent: Matrix | LinearSystem, linear: LinearSolver | None = None
     ------
     SingularMatrix
         If it has no inverse.
+    PluginError
+        If the solver cannot be used on this machine.
     """
+    if linear is not None and (obstacle := linear.obstacle()):
+        raise PluginError(f"linear solver {type(linear).__name__}: {obstacle}")
     system = tangent if isinstance(tangent, LinearSystem) else LinearSystem(tangent, symmetric=False)
     return (linear or Automatic()).factorise(system)
 
