@@ -42,20 +42,17 @@ class Constant(Fibres):
     direction: tuple[float, ...] | None = numbers(None, doc="2 or 3 numbers, of any length but 0; along x by default")
 
     def __attrs_post_init__(self) -> None:
-        if self.direction is None:
-            return
-        if not isinstance(self.direction, tuple) or len(self.direction) not in (2, 3) or not any(self.direction):
-            raise ParameterError("direction", f"is {self.direction!r}; expected 2 or 3 numbers, not all of them 0")
+        given = self.direction
+        if given is not None and (not isinstance(given, tuple) or len(given) not in (2, 3) or not any(given)):
+            raise ParameterError("direction", f"is {given!r}; expected 2 or 3 numbers, not all of them 0")
 
     def directions(self, mesh: Mesh, points: Array) -> Array:
-        if len(self.direction) != mesh.dim():
-            raise ParameterError(
-                "direction", f"has {len(self.direction)} numbers; the mesh has {mesh.dim()} dimensions"
-            )
+        given = (1.0, 0.0, 0.0)[: mesh.dim()] if self.direction is None else self.direction
+        if len(given) != mesh.dim():
+            raise ParameterError("direction", f"has {len(given)} numbers; the mesh has {mesh.dim()} dimensions")
         # Scaled first: the square of a tiny or huge number is none.
-        unit = np.array(self.direction) / max(map(abs, self.direction))
-        unit /= math.hypot(*unit)
-        return np.tile(unit, (mesh.nelements, points.shape[1], 1))
+        unit = np.array(given) / max(map(abs, given))
+        return np.tile(unit / math.hypot(*unit), (mesh.nelements, points.shape[1], 1))
 
 
 @hookimpl

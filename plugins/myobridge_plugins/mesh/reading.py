@@ -148,6 +148,6 @@ def _flat(points: Array, top: int, path: Path) -> Array:
         raise ParameterError(
             "file",
             f"'{path}' holds flat cells that do not lie in z = 0: {listed(wrong, len(points), 'node')} off it, z from "
-            f"{beyond.min():g} to {beyond.max():g}; a surface in space is no body: mesh its volume, or move it to z = 0",
+            f"{beyond.min():g} to {beyond.max():g}; a surface in space is no body; mesh its volume, or move it to 0",
         )
     return points[:, :top]
