@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from myobridge.errors import MyobridgeError
+from myobridge.figures import new_figure, save_figure, title
 from myobridge.interfaces import Array
 from myobridge.ledger import FLOWS, STORED
 from myobridge.results import Result
@@ -42,13 +42,8 @@ def draw(result: Result, path: str | os.PathLike[str]) -> Path:
         axis.grid(alpha=0.3)
     for axis in axes[len(panels) :]:
         axis.remove()
-    figure.suptitle(_title(result))
-    target = Path(path)
-    try:
-        figure.savefig(target, dpi=120)
-    except (OSError, ValueError) as error:
-        raise MyobridgeError(f"{target}: the picture cannot be written ({error})") from None
-    return target
+    figure.suptitle(title(result))
+    return save_figure(figure, path)
 
 
 def draw_density(axis: Any, result: Result) -> None:
@@ -74,11 +69,16 @@ def draw_density(axis: Any, result: Result) -> None:
 def _panels(result: Result) -> list[Any]:
     series = result.series
     panels = [_over_time(name, label, unit) for name, label, unit in _LINES if _tells(series, name)]
+    panels += [_summary(name, label, unit) for name, label, unit in _LINES if _tells_in_summary(series, name)]
     if "Q0" in series and np.any(series["Q0"] != 0.0):
         panels.append(_moments)
     if any(np.any(series.get(f"energy/{name}", 0.0) != 0.0) for name in (*STORED, *FLOWS)):
         panels.append(_energies)
-    if "tension" in series and np.ptp(series["tension"][-1]) > 1e-9 * np.abs(series["tension"][-1]).max():
+    if (
+        "tension" in series
+        and series["tension"].size
+        and np.ptp(series["tension"][-1]) > 1e-9 * np.abs(series["tension"][-1]).max()
+    ):
         panels.append(_final_tension)
     if result.densities:
         panels.append(draw_density)
@@ -86,23 +86,17 @@ def _panels(result: Result) -> list[Any]:
 
 
 def _tells(series: Any, name: str) -> bool:
-    return name in series and (name != "activation" or bool(np.any(series[name] != 1.0)))
+    return name in series and series[name].size > 0 and (name != "activation" or bool(np.any(series[name] != 1.0)))
+
+
+def _tells_in_summary(series: Any, name: str) -> bool:
+    below_full = name != "activation" or bool(np.any(series.get("least/activation", 1.0) != 1.0))
+    return name not in series and f"mean/{name}" in series and below_full
 
 
 def _figure(rows: int, columns: int) -> tuple[Any, Any]:
-    # Straight to a canvas: no display is asked for, no global state is left behind.
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(5.2 * columns, 3.1 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(5.2 * columns, 3.1 * rows)
     return figure, figure.subplots(rows, columns, squeeze=False).ravel()
-
-
-def _title(result: Result) -> str:
-    name = tomllib.loads(result.scene).get("scene", {}).get("name", "") if result.scene else ""
-    # A dollar sign would begin mathematics.
-    return str(name).replace("$", r"\$")
 
 
 _LINES = (
@@ -123,12 +117,12 @@ def _over_time(name: str, label: str, unit: str) -> Any:
         for colour, column in zip(colours, shown, strict=True):
             ends = len(shown) <= _MAX_LEGEND or column in (shown[0], shown[-1])
             axis.plot(
-                1e3 * result.series["time"],
+                _along(result)[0],
                 data[:, column],
                 color=colour,
                 label=f"site {result.sites[column]}" if ends else None,
             )
-        _time_axis(axis, f"{label} [{unit}]")
+        _axes(axis, result, f"{label} [{unit}]")
         # A value that stays the same is no reason to magnify round-off.
         if np.ptp(data) <= 1e-9 * max(float(np.abs(data).max()), 1e-300):
             middle = float(data.flat[0])
@@ -140,16 +134,31 @@ def _over_time(name: str, label: str, unit: str) -> Any:
     return panel
 
 
+def _summary(name: str, label: str, unit: str) -> Any:
+    """Mean over the volume, and the band from the least to the largest."""
+
+    def panel(axis: Any, result: Result) -> None:
+        factor = 1e-3 if unit == "kPa" else 1.0
+        along = _along(result)[0]
+        low, mean, high = (factor * result.series[f"{kind}/{name}"] for kind in ("least", "mean", "largest"))
+        axis.fill_between(along, low, high, alpha=0.3, label="least to largest")
+        axis.plot(along, mean, label="mean")
+        _axes(axis, result, f"{label} [{unit}]")
+        _legend(axis)
+
+    return panel
+
+
 def _moments(axis: Any, result: Result) -> None:
     several = result.series["Q0"].shape[1] > 1
     for name in ("Q0", "Q1", "Q2"):
-        axis.plot(1e3 * result.series["time"], result.series[name].mean(axis=1), label=name)
-    _time_axis(axis, "moments, mean over sites [-]" if several else "moments [-]")
+        axis.plot(_along(result)[0], result.series[name].mean(axis=1), label=name)
+    _axes(axis, result, "moments, mean over sites [-]" if several else "moments [-]")
     _legend(axis)
 
 
 def _energies(axis: Any, result: Result) -> None:
-    rows = {name: result.series[f"energy/{name}"] for name in (*STORED, *FLOWS)}
+    rows = {name: result.series[f"energy/{name}"] for name in (*STORED, *FLOWS) if f"energy/{name}" in result.series}
     largest = max(float(np.abs(data).max()) for data in rows.values())
     factor, unit = next(item for item in ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ")) if _fits(largest, item))
     for name, data in rows.items():
@@ -157,8 +166,8 @@ def _energies(axis: Any, result: Result) -> None:
         if np.abs(data).max() > 1e-12 * largest:
             stored = name in STORED
             label = f"{name.replace('_', ' ')} ({'stored' if stored else 'flowed'})"
-            axis.plot(1e3 * result.series["time"], factor * data, "-" if stored else "--", label=label)
-    _time_axis(axis, f"energy [{unit}]")
+            axis.plot(_along(result)[0], factor * data, "-" if stored else "--", label=label)
+    _axes(axis, result, f"energy [{unit}]")
     _legend(axis)
 
 
@@ -186,8 +195,15 @@ def _across(series: Any, sites: Array) -> tuple[Array, str]:
     return np.asarray(sites), "site"
 
 
-def _time_axis(axis: Any, label: str) -> None:
-    axis.set_xlabel("time [ms]")
+def _along(result: Result) -> tuple[Array, str]:
+    """What the curves run along: time, or the scale of statics."""
+    if "scale" in result.series:
+        return result.series["scale"], "scale [-]"
+    return 1e3 * result.series["time"], "time [ms]"
+
+
+def _axes(axis: Any, result: Result, label: str) -> None:
+    axis.set_xlabel(_along(result)[1])
     axis.set_ylabel(label)
     # An offset at the corner of an axis is easily missed.
     axis.ticklabel_format(axis="y", useOffset=False)
