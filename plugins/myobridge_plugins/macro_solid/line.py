@@ -237,12 +237,8 @@ class Line(MacroSolid):
         acceleration[-given.size :] = given
         return self.mass * times(self.mesh.mass, np.ones(self.mesh.nodes.size))[:, None] * acceleration
 
-    @cached_property
-    def _free_weight(self) -> Array:
-        return self._weight.ravel()[self.free]
-
     def external_force(self, displacement: Array, time: float) -> Array:
-        force = self._free_weight.copy()
+        force = self._weight.ravel()[self.free]
         if self.load is not None:
             force[-self.n_axes] += float(np.ravel(self.load.value(time))[0])
         return force
@@ -289,8 +285,13 @@ class Line(MacroSolid):
         stress = self.modulus * (stretch - 1.0) + tension
         forces = self.mesh.derivative.T @ ((self.site_volumes * stress / stretch)[:, None] * gradient)
         forces -= self._weight  # what rests on a support directly; its share of a consistent mass's inertia is left out
-        ends = {"left": 0, "right": -1}
-        return {name: forces[node] for name, node in ends.items() if getattr(self, name) == "fixed"}
+        return self._at_supports(forces)
+
+    def supported_load(self, time: float) -> Mapping[str, Array]:
+        return self._at_supports(self._weight)
+
+    def _at_supports(self, forces: Array) -> Mapping[str, Array]:
+        return {name: forces[node] for name, node in (("left", 0), ("right", -1)) if getattr(self, name) == "fixed"}
 
     def site_positions(self) -> Array:
         return self.mesh.sites[:, None]
