@@ -14,7 +14,7 @@ __all__ = ["FIELDS", "FieldSnapshot", "snapshot"]
 
 FIELDS: Mapping[str, str] = {
     "displacement": "displacement of the nodes [m]",
-    "pressure": "multiplier of incompressibility, positive in tension [Pa]",
+    "pressure": "hydrostatic pressure, positive in compression [Pa]",
     "stretch": "fibre stretch [-]",
     "tension": "nominal active stress along the fibre [Pa]",
     "activation": "activation [-]",
@@ -24,8 +24,8 @@ FIELDS: Mapping[str, str] = {
 }
 """Fields that solids and cross-bridges know; a solid may add its own. What a scene has not is not written."""
 
-# Linear meshes can have as many nodes as cells; these two live at nodes, anything else on cells.
-_AT_NODES = ("displacement", "pressure")
+# Linear meshes can have as many nodes as cells; then displacement lives at nodes, anything else on cells.
+_AT_NODES = ("displacement",)
 
 
 @attrs.frozen(eq=False)

@@ -30,6 +30,6 @@ def paint_flat(axis: Any, body: Surface, edges: Array | None, norm: Any, colours
             axis.tripcolor(x, y, kept, values, cmap=colours, norm=norm, shading="gouraud")
     if body.blank.any():
         places = 1e3 * body.points[body.triangles[body.blank]][:, :, :2]
-        axis.add_collection(PolyCollection(places, facecolors="0.8", linewidths=0, antialiaseds=False))
+        axis.add_collection(PolyCollection([*places], facecolors="0.8", linewidths=0, antialiaseds=False))
     if edges is not None:
-        axis.add_collection(LineCollection(1e3 * edges[:, :, :2], colors="black", linewidths=0.35, alpha=0.55))
+        axis.add_collection(LineCollection([*(1e3 * edges[:, :, :2])], colors="black", linewidths=0.35, alpha=0.55))

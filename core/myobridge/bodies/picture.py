@@ -102,13 +102,13 @@ def _painter(engine: str, look: View, frame: tuple[float, float, float, float]) 
     if engine == "flat":
         return paint_flat
     if engine == "matplotlib":
-        return lambda *items, flat: paint_space(*items, look, flat=flat)
+        return lambda *items, flat: paint_space(*items, view=look, flat=flat)
     from myobridge.bodies.rendered import paint_rendered
 
-    return lambda *items, flat: paint_rendered(*items, look, flat=flat, frame=frame)
+    return lambda *items, flat: paint_rendered(*items, view=look, flat=flat, frame=frame)
 
 
-def _outline(mesh: VisibleMesh, seen: Skin, look: View) -> Array:
+def _outline(mesh: VisibleMesh, seen: Skin, look: View) -> np.ndarray:
     """Edges of the undeformed body that show its shape: its silhouette, and creases in front."""
     facing, front = seen.facing(mesh.points, look.eye)
     border, creases = facing.border(), facing.creases(mesh.points)
@@ -153,7 +153,7 @@ def _bar(figure: Any, axes: list[Any], colouring: Colouring) -> None:
 def _behind(axis: Any, outline: Array) -> None:
     from matplotlib.collections import LineCollection
 
-    lines = LineCollection(1e3 * outline, colors="0.45", linewidths=0.8, linestyles=(0, (4, 3)), zorder=1)
+    lines = LineCollection([*(1e3 * outline)], colors="0.45", linewidths=0.8, linestyles=(0, (4, 3)), zorder=1)
     axis.add_collection(lines)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import sys
 from typing import Any
@@ -21,8 +22,8 @@ def paint_rendered(
     edges: Array | None,
     norm: Any,
     colours: str,
-    view: View,
     *,
+    view: View,
     flat: bool,
     frame: tuple[float, float, float, float],
     pixels: int = 900,
@@ -38,7 +39,7 @@ def _render(
     # Without a display VTK tries X first and says so on the terminal.
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    import pyvista
+    pyvista = importlib.import_module("pyvista")  # an extra, not always there
 
     left, right, bottom, top = frame
     size = np.array([right - left, top - bottom])

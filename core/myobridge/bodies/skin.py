@@ -49,30 +49,30 @@ class Skin(NamedTuple):
     `faces` is (n_faces, nodes of a face), `cells` (n_faces,) the cell of each, `kind` meshio's word for a face.
     """
 
-    faces: Array
-    cells: Array
+    faces: np.ndarray
+    cells: np.ndarray
     kind: str
 
     @property
-    def corners(self) -> Array:
+    def corners(self) -> np.ndarray:
         """Corner nodes of each face."""
         return self.faces[:, : 3 if self.kind.startswith("triangle") else 4]
 
-    def facing(self, points: Array, eye: Array) -> tuple[Skin, Array]:
+    def facing(self, points: Array, eye: Array) -> tuple[Skin, np.ndarray]:
         """The faces that look at an eye in direction `eye` (3,), their corners at `points`, and their numbers."""
         corners = points[self.corners]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         front = np.flatnonzero(normals @ eye > 0.0)
         return Skin(self.faces[front], self.cells[front], self.kind), front
 
-    def border(self) -> Array:
+    def border(self) -> np.ndarray:
         """Edges that belong to one face only, as (face, number of the edge in it); (n_edges, 2)."""
         corners = self.corners
         edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
         _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
         return np.stack(np.divmod(np.sort(first[count == 1]), corners.shape[1]), axis=1)
 
-    def creases(self, points: Array, angle: float = 35.0) -> Array:
+    def creases(self, points: Array, angle: float = 35.0) -> np.ndarray:
         """Edges at which the normals of the two faces differ by more than `angle` degrees; as `border`."""
         corners = self.corners
         place = points[corners]
@@ -105,8 +105,8 @@ class Lattice(NamedTuple):
     """Refinement of a reference face: shape functions (m, nodes), triangles (t, 3), edges (3 or 4, n + 1) of points."""
 
     shape: Array
-    triangles: Array
-    edges: Array
+    triangles: np.ndarray
+    edges: np.ndarray
 
 
 @lru_cache(maxsize=32)

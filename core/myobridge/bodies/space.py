@@ -38,7 +38,7 @@ class View(NamedTuple):
 
 
 def paint_space(
-    axis: Any, body: Surface, edges: Array | None, norm: Any, colours: str, view: View, *, flat: bool
+    axis: Any, body: Surface, edges: Array | None, norm: Any, colours: str, *, view: View, flat: bool
 ) -> None:
     """Paint `body` into `axis`, in mm."""
     from matplotlib import colormaps

@@ -25,9 +25,9 @@ class Surface(NamedTuple):
     """
 
     points: Array
-    triangles: Array
+    triangles: np.ndarray
     values: Array
-    blank: Array
+    blank: np.ndarray
 
 
 def intervals(seen: Skin, most: int) -> int:
@@ -70,7 +70,7 @@ def surface(
     return Surface(points.reshape(-1, 3), triangles, painted, blank)
 
 
-def polylines(seen: Skin, place: Array, n: int, edges: Array | None = None) -> Array:
+def polylines(seen: Skin, place: Array, n: int, edges: np.ndarray | None = None) -> Array:
     """Edges of faces as curves, (n_edges, n + 1, 3): those of `edges` as (face, number of the edge), else all."""
     shape, _, local = lattice(seen.kind, n)
     if edges is None:
