@@ -1,8 +1,8 @@
 """Results: one HDF5 file that opens while the run goes on, after a kill, and to continue from.
 
 Layout: ``/series`` (one row a recorded step, one column a site), ``/density`` (snapshots), ``/scene`` (the TOML),
-``/provenance`` (versions, plugins), ``/checkpoint`` (everything that the next step depends on). The fields of a body
-are in ``/VTKHDF``, so that the same file opens in ParaView.
+``/sites`` (numbers of its columns), ``/provenance`` (versions, plugins), ``/checkpoint`` (everything that the next step
+depends on). The fields of a body are in ``/VTKHDF``, so that the same file opens in ParaView.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ class Result:
         with h5py.File(path, "w") as file:
             for name, rows in self.series.items():
                 file[f"series/{name}"] = rows
-            file["series"].attrs["sites"] = self.sites
+            file["sites"] = self.sites  # no attribute: HDF5 limits those to 64 kB
             for number, snapshot in enumerate(self.densities):
                 group = file.create_group(f"density/{number:04d}")
                 group.attrs["time"] = snapshot.time
@@ -200,7 +200,7 @@ class Result:
                     file["scene"].asstr()[()],
                     {name: str(value) for name, value in file["provenance"].attrs.items()},
                     Checkpoint({name: value.item() for name, value in file["checkpoint"].attrs.items()}, arrays),
-                    np.asarray(file["series"].attrs["sites"]),
+                    file["sites"][...],
                     *read_body(file),
                 )
         except Exception as error:  # a damaged or a stranger's file may raise anything
