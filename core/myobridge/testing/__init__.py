@@ -14,7 +14,17 @@ Hypothesis strategies are in `myobridge.testing.strategies`; nothing else here n
 
 from myobridge.testing.cross_bridge import cross_bridge_checks
 from myobridge.testing.fitted_order import fitted_order
+from myobridge.testing.material import material_checks
+from myobridge.testing.mesh import fibre_checks, mesh_checks
 from myobridge.testing.signal import signal_checks
 from myobridge.testing.variants import variants
 
-__all__ = ["cross_bridge_checks", "fitted_order", "signal_checks", "variants"]
+__all__ = [
+    "cross_bridge_checks",
+    "fibre_checks",
+    "fitted_order",
+    "material_checks",
+    "mesh_checks",
+    "signal_checks",
+    "variants",
+]

@@ -48,8 +48,9 @@ class Fusiform(MeshSource):
         Share of the length that the tendon at each end takes.
     cells : int, optional
         Cells along the length, shorter where the muscle is thinner; each tendon has at least one. By default so many
-        that cells in the middle are half as long again as they are wide: then no tetrahedron of a muscle with flatness
-        in [0.5, 1], `end_radius` from a quarter of `radius` and `tendon` up to 0.2 has a scaled Jacobian below 0.1.
+        that cells in the middle are half as long again as they are wide: then no
+        tetrahedron has a scaled Jacobian below 0.1 while the length is at least 4 radii, flatness in [0.5, 1], `tendon`
+        in [0.05, 0.2] or 0, and `end_radius` a quarter of `radius` or more.
     across : int
         Cells along each side of the square in the middle of the cross-section; the skin has four times as many around.
     shape : {"tetrahedron", "hexahedron"}

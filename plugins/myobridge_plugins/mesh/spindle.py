@@ -45,7 +45,7 @@ class Spindle(MeshSource):
     cells : int
         Cells along the length, before refinement; the tendons get their share of them, at least one each.
     across : int, optional
-        Cells across; by default as many as make them about square.
+        Cells across; by default an even number that makes them about square.
     shape : {"triangle", "quadrilateral"}
         Of the cells.
     refinements : int
@@ -80,7 +80,7 @@ class Spindle(MeshSource):
         outline = Outline(self.width, self.end_width, self.tendon)
         levels = outline.levels(self.cells, self.refinements)
         area = self.end_width + (0.5 - self.tendon) * (self.width - self.end_width)
-        across = self.across or max(math.ceil(self.cells * area / self.length), 2)
+        across = self.across or 2 * math.ceil(0.5 * self.cells * area / self.length)
         flat = grid(self.shape, [levels, np.linspace(-1.0, 1.0, across * 2**self.refinements + 1)])
         s, eta = flat.p
         mesh = moved(flat, np.stack([self.length * s, 0.5 * eta * outline.at(s)]))
