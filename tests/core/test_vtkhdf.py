@@ -237,3 +237,11 @@ def test_of_many_sites_a_summary_is_kept_and_no_row_for_each(cells, many: bool, 
         chosen = moving("quad", {"sites": [3, 7]}, counts=cells).to(0.1)
         np.testing.assert_array_equal(chosen["tension"][-1], bus.tension[[3, 7]])
         assert "mean/tension" in chosen.series
+
+
+def test_a_body_of_ten_thousand_sites_is_saved(moving, tmp_path: Path) -> None:
+    """The numbers of the sites alone are more than an attribute of HDF5 holds."""
+    result = moving("quad", {"fields": ["tension"]}, output=tmp_path / "large.h5", counts=(50, 100, 0)).to(0.1)
+    again = mb.Result.load(tmp_path / "large.h5")
+    np.testing.assert_array_equal(again.sites, np.arange(10_000))
+    assert_same_states(result, again)
