@@ -27,7 +27,10 @@ class Kinematics(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """What one assembly gives: force [N], constraint [m^3], data of the tangents, the largest stress [Pa]."""
+    """What one assembly gives: force [N], constraint [m^3], data of the tangents, the largest stress [Pa].
+
+    The data of the tangents are overwritten by the next assembly: take their free part at once.
+    """
 
     force: Array
     constraint: Array
@@ -92,6 +95,7 @@ class Assembly:
             constants = np.ascontiguousarray(material.constants, dtype=np.float64)
             self._regions.append(_Region(material, constants, blocks, colours, batches))
         self._zeros = np.zeros(discretisation.n_points)
+        self._scratch: dict[str, Array] = {}
 
     def memory(self) -> int:
         """Bytes of all arrays that grow with the mesh, the data of the tangents included."""
@@ -127,8 +131,8 @@ class Assembly:
         grid, pattern = self.discretisation, self.pattern
         force = np.zeros(grid.dimension * grid.n_nodes)
         constraint = np.zeros(grid.n_multipliers)
-        stiffness_data = np.zeros(pattern.size) if tangent else _NONE
-        gradient_data = np.zeros(pattern.gradient_size) if tangent else _NONE
+        stiffness_data = self._cleared("stiffness", pattern.size) if tangent else _NONE
+        gradient_data = self._cleared("gradient", pattern.gradient_size) if tangent else _NONE
         top = 0.0
         self._set_threads()
         for region in self._regions:
@@ -173,6 +177,13 @@ class Assembly:
             law = region.material.functions().energy.pointer
             energies(*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
         return float(found.sum())
+
+    def _cleared(self, name: str, size: int) -> Array:
+        """Zeros in memory that is used again and again: fresh pages would cost as much as the sums."""
+        if name not in self._scratch:
+            self._scratch[name] = np.empty(size)
+        self._scratch[name].fill(0.0)
+        return self._scratch[name]
 
     def _shape(self) -> tuple[int, bool]:
         return self.discretisation.dimension, self.discretisation.cell.affine

@@ -49,26 +49,39 @@ _L = LANES
 
 
 @njit(**OPTIONS)
-def _scatter_stiffness(n, dimension, n_nodes, square, nodes, row_starts, places, local, data):
-    """Add the blocks of all pairs a <= b, and their transposes, to the rows of the scalar matrix."""
-    pair = 0
-    for a in range(n_nodes):
-        for b in range(a, n_nodes):
-            block = local[9 * pair * _L : (9 * pair + 9) * _L]
-            pair += 1
-            for lane in range(n):
-                first, second = nodes[a, lane], nodes[b, lane]
-                length = dimension * (row_starts[first + 1] - row_starts[first])
-                start = square * row_starts[first] + dimension * places[a * n_nodes + b, lane]
-                for i in range(dimension):
-                    for k in range(dimension):
-                        data[start + i * length + k] += block[(3 * i + k) * _L + lane]
-                if a != b:
-                    length = dimension * (row_starts[second + 1] - row_starts[second])
-                    start = square * row_starts[second] + dimension * places[b * n_nodes + a, lane]
+def _scatter_stiffness(n, dimension, n_nodes, nodes, row_starts, places, local, data):
+    """Add the blocks of all pairs a <= b, and their transposes, to the rows of the scalar matrix.
+
+    Lanes are the outermost loop: the rows of a node stay in the cache for all its pairs. Loops of a known length are
+    unrolled: hence the case of three dimensions, where the time goes.
+    """
+    for lane in range(n):
+        pair = 0
+        for a in range(n_nodes):
+            first = nodes[a, lane]
+            start = dimension * dimension * row_starts[first]
+            length = dimension * (row_starts[first + 1] - row_starts[first])
+            for b in range(a, n_nodes):
+                from_ = 9 * pair * _L + lane
+                pair += 1
+                second = nodes[b, lane]
+                across = dimension * (row_starts[second + 1] - row_starts[second])
+                here = start + dimension * places[a * n_nodes + b, lane]
+                there = dimension * (dimension * row_starts[second] + places[b * n_nodes + a, lane])
+                if dimension == 3:
+                    for i in range(3):
+                        for k in range(3):
+                            data[here + i * length + k] += local[from_ + (3 * i + k) * _L]
+                    if a != b:
+                        for k in range(3):
+                            for i in range(3):
+                                data[there + k * across + i] += local[from_ + (3 * i + k) * _L]
+                else:
                     for i in range(dimension):
                         for k in range(dimension):
-                            data[start + k * length + i] += block[(3 * i + k) * _L + lane]
+                            data[here + i * length + k] += local[from_ + (3 * i + k) * _L]
+                            if a != b:
+                                data[there + k * across + i] += local[from_ + (3 * i + k) * _L]
 
 
 @njit(
@@ -123,7 +136,6 @@ def assemble(
     """
     n_nodes, n_multipliers, n_q = nodes.shape[1], multipliers.shape[1], weights.shape[0]
     n_pairs = n_nodes * (n_nodes + 1) // 2
-    square = dimension * dimension
     for colour in range(colours.shape[0] - 1):
         for block in prange(colours[colour], colours[colour + 1]):
             local = np.empty(3 * n_nodes * _L)
@@ -191,7 +203,6 @@ def assemble(
                         n,
                         dimension,
                         n_nodes,
-                        square,
                         touched,
                         row_starts,
                         places[batch],

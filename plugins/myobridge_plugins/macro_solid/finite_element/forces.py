@@ -64,13 +64,14 @@ def balance(
         if added is not None:
             matrix = matrix + added[free][:, free]
     found = found._replace(stiffness=matrix)
-    if sensitivity is not None:
-        damping = assembly.sums(full, 0.0 * pressure, None, sensitivity, tangent=True, passive=False)
-        found = found._replace(damping=pattern.stiffness.matrix(damping.stiffness))
     if pressure.size:
         found = found._replace(constraint_gradient=pattern.gradient.matrix(sums.gradient))
         if soft:
             found = found._replace(constraint_compliance=body.multiplier_mass / bulk_modulus)
+    if sensitivity is not None:
+        # Last, because it overwrites the data of the tangents.
+        damping = assembly.sums(full, 0.0 * pressure, None, sensitivity, tangent=True, passive=False)
+        found = found._replace(damping=pattern.stiffness.matrix(damping.stiffness))
     return found
 
 
