@@ -13,13 +13,25 @@ multiplier :math:`\sigma` (`MacroSolid.multiplier_scale`), which balances the ta
 from __future__ import annotations
 
 import math
-from typing import Any, final
+from typing import TYPE_CHECKING, final
 
 import attrs
 import numpy as np
 
-from myobridge.interfaces import ActiveLaw, Array, Balance, ContinuationProblem, CrossBridgeModel, MacroSolid, Motion
-from myobridge.interfaces.linear_solver import LinearSystem
+from myobridge.interfaces import (
+    ActiveLaw,
+    Array,
+    Balance,
+    ContinuationProblem,
+    CrossBridgeModel,
+    LinearSystem,
+    MacroSolid,
+    Matrix,
+    Motion,
+)
+
+if TYPE_CHECKING:
+    from myobridge.solvers import Inertia
 
 __all__ = ["Equilibria", "SteadyTension"]
 
@@ -135,8 +147,9 @@ class Equilibria(ContinuationProblem):
             balance.symmetric or load == 0.0,
         )
 
-    def tangent(self, unknowns: Array, level: float) -> Any:
-        return self.system(unknowns, level).matrix()
+    def tangent(self, unknowns: Array, level: float) -> Matrix | LinearSystem:
+        system = self.system(unknowns, level)
+        return system.stiffness if self.n_constraints == 0 and isinstance(system.stiffness, np.ndarray) else system
 
     def level_derivative(self, unknowns: Array, level: float) -> Array:
         found = np.zeros(unknowns.size)
@@ -152,9 +165,8 @@ class Equilibria(ContinuationProblem):
         return found
 
     def negative_eigenvalues(self, unknowns: Array, level: float) -> int:
-        from myobridge.solvers import inertia
-
-        return max(inertia(self.tangent(unknowns, level)).negative - self.n_constraints, 0)
+        found = _inertia(self.system(unknowns, level))
+        return -1 if found is None else max(found.negative - self.n_constraints, 0)
 
     def admissible(self, unknowns: Array) -> bool:
         return bool(np.all(np.isfinite(unknowns))) and self.solid.admissible(unknowns[: self.n_displacements])
@@ -189,3 +201,17 @@ class Equilibria(ContinuationProblem):
         balance = self.solid.balance(self.motion(unknowns), law, 0.0, rate=False, tangent=tangent)
         self._latest = (unknowns.copy(), level, balance)
         return balance
+
+
+def _inertia(system: LinearSystem) -> Inertia | None:
+    """Signs of the eigenvalues of a tangent; None where it is too large for the factors that would tell them."""
+    from myobridge.solvers import InertiaUnknown, SingularMatrix, choose, factorise, inertia
+
+    modes = system.rigid_motions
+    dimension = 3 if modes is not None and modes.shape[1] > 3 else 2
+    try:
+        if choose(system.n_unknowns, dimension).name == "superlu":
+            return inertia(system.matrix())
+        return factorise(system).inertia()
+    except (InertiaUnknown, SingularMatrix):
+        return None

@@ -11,6 +11,7 @@ import attrs
 from myobridge.build import build
 from myobridge.effects import EFFECTS, FAMILY_OF_SECTION, FIELDS_OF_SECTION, SECTIONS, known_effects, suppliers
 from myobridge.errors import MyobridgeError, ParameterError, SceneError, nearest
+from myobridge.interfaces import MacroSolid
 from myobridge.look_ahead import check_activation, check_prescribed_stretch, memory_of_this_machine
 from myobridge.parameters import declared, optional_effects
 from myobridge.registry import Registry, registry
@@ -74,6 +75,7 @@ class Plan:
         """
         scene, parts = self.scene, dict(self.parts)
         try:
+            _check_body(scene, parts["solid"])
             if self.scaling is not None:
                 return composed_statics(scene, self.scaling, parts)
             _check_memory(self.sizes())
@@ -169,8 +171,21 @@ def _part(plugins: Registry, section: str, table: Mapping[str, Any], scene: Scen
     try:
         return build(plugins, FAMILY_OF_SECTION[section], mine, scene.effects, scene.folder or Path())
     except ParameterError as error:
-        top = section == "solid" and any(error.key.startswith(f"{name}[") for name in lists_given(scene))
-        raise ParameterError(error.key if top else f"{section}.{error.key}", error.problem) from None
+        raise ParameterError(_full_key(section, error.key, scene), error.problem) from None
+
+
+def _full_key(section: str, key: str, scene: Scene) -> str:
+    """Key of a part's parameter as the file has it: lists of the solid may stand at the top."""
+    top = section == "solid" and any(key.startswith(f"{name}[") for name in lists_given(scene))
+    return key if top else f"{section}.{key}"
+
+
+def _check_body(scene: Scene, solid: MacroSolid) -> None:
+    """A solid may be made when it is first asked, and may find only then what is wrong with its parameters."""
+    try:
+        solid.rest_motion()
+    except ParameterError as error:
+        raise ParameterError(_full_key("solid", error.key, scene), error.problem) from None
 
 
 def _check_memory(sizes: Mapping[str, int]) -> None:

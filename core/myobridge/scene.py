@@ -196,7 +196,7 @@ class Scene:
             try:
                 override(data, key, value, _SECTIONS)
             except ParameterError as error:
-                raise SceneError(f"{origin.of(key)}{error.key}: {error.problem}") from None
+                raise SceneError(f"{origin.of(normalised(key))}{error.key}: {error.problem}") from None
         try:
             return cls(**_fields(data), folder=folder, origin=origin)
         except ParameterError as error:

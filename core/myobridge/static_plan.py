@@ -92,10 +92,7 @@ def composed_statics(scene: Scene, scaling: Scaling, parts: Mapping[str, Any]) -
     MyobridgeError
         If the parts do not go together.
     """
-    try:
-        statics = Statics(**parts, of=scaling.of, to=scaling.to, report=scaling.report)
-    except ParameterError as error:  # the density is the only part that meets the sites at this moment
-        raise ParameterError(f"sarcomere_density.{error.key}", error.problem) from None
+    statics = Statics(**parts, of=scaling.of, to=scaling.to, report=scaling.report)
     try:
         check_static_record(scene.record, statics)
     except ParameterError as error:

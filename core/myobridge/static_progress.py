@@ -53,9 +53,13 @@ def follow_path(run: StaticRun, plan: Plan, *, quiet: bool = False) -> Result:
 
 
 def _verdict(point: PathPoint) -> str:
-    if not point.negative_eigenvalues:
-        return "stable"
-    return f"[bold red]UNSTABLE: {point.negative_eigenvalues} negative eigenvalues[/]"
+    return _said(point.negative_eigenvalues)
+
+
+def _said(negative: int) -> str:
+    if negative < 0:
+        return "[bold yellow]stability NOT KNOWN[/]"
+    return f"[bold red]UNSTABLE: {negative} negative eigenvalues[/]" if negative else "stable"
 
 
 def path_table(run: StaticRun) -> Table:
@@ -73,7 +77,7 @@ def path_table(run: StaticRun) -> Table:
             before = row + 1
             bad = int((series["negative_eigenvalues"][part] > 0).sum())
             here = int(series["negative_eigenvalues"][row])
-            verdict = f"[bold red]UNSTABLE: {here} negative eigenvalues[/]" if here else "stable"
+            verdict = _said(here)
             if bad > (here > 0):
                 verdict += f", [bold red]{bad - (here > 0)} unstable on the way[/]"
             spent = int(series["iterations"][part].sum())

@@ -105,8 +105,8 @@ class StaticRun:
 
             try:
                 path = self.statics.trace(watch, tuple(self.recorder.points[-2:]))
-            except ArithmeticError as error:  # the signs of the eigenvalues cannot be told
-                path = ContinuationPath((), False, f"the continuation stopped: {error}.")
+            except ArithmeticError as error:  # a matrix that is singular where nobody expected it
+                path = ContinuationPath((), False, f"the continuation stopped ({type(error).__name__}: {error}).")
             except BaseException:
                 if self.recorder.points:
                     self._keep()
@@ -120,19 +120,24 @@ class StaticRun:
         return result
 
     def unstable(self) -> str:
-        """Which accepted states are unstable, in a sentence; empty where none is."""
+        """Which accepted states are unstable, or may be, in a sentence; empty where all are stable."""
         series = self.recorder.series()
         if not series:
             return ""
-        bad = series["negative_eigenvalues"] > 0
-        if not np.any(bad):
-            return ""
-        scales = series["scale"][bad]
-        return (
-            f"{int(bad.sum())} of {bad.size} states are unstable, at scales from {scales.min():.6g} to "
-            f"{scales.max():.6g}, with up to {int(series['negative_eigenvalues'].max())} negative eigenvalues: they "
-            "are equilibria, but the body would not stay in them"
-        )
+        negative, said = series["negative_eigenvalues"], []
+        if np.any(negative > 0):
+            scales = series["scale"][negative > 0]
+            said.append(
+                f"{scales.size} of {negative.size} states are unstable, at scales from {scales.min():.6g} to "
+                f"{scales.max():.6g}, with up to {int(negative.max())} negative eigenvalues: they are equilibria, but "
+                "the body would not stay in them"
+            )
+        if np.any(negative < 0):
+            said.append(
+                f"whether {int(np.sum(negative < 0))} of {negative.size} states are stable is not known: the body is "
+                "too large for SuperLU's factors; python-mumps or pypardiso, where installed, would tell"
+            )
+        return "; ".join(said)
 
     def result(self) -> Result:
         """Result so far."""

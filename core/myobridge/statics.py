@@ -212,7 +212,10 @@ def _steady_tension(
     r = 1.0 if activation is None else activation.value(0.0)
     density = 1.0
     if sarcomere_density is not None:
-        density = sarcomere_density.at(solid.site_positions())
+        try:
+            density = sarcomere_density.at(solid.site_positions())
+        except ParameterError as error:
+            raise ParameterError(f"sarcomere_density.{error.key}", error.problem) from None
     return SteadyTension(
         model,
         np.array(np.broadcast_to(r, shape), dtype=float),

@@ -39,7 +39,7 @@ class ContinuationProblem(ABC):
 
     @abstractmethod
     def negative_eigenvalues(self, unknowns: Array, level: float) -> int:
-        """Negative eigenvalues of the tangent beyond those of a stable state; 0 means stable."""
+        """Negative eigenvalues of the tangent beyond those of a stable state: 0 is stable, -1 not known."""
 
     def admissible(self, unknowns: Array) -> bool:
         """Whether the state is physically possible."""
@@ -63,7 +63,7 @@ class ContinuationProblem(ABC):
 
 @attrs.frozen(eq=False)
 class PathPoint:
-    """Accepted point of a path: unknowns, level, Newton iterations spent, negative eigenvalues (0: stable)."""
+    """Accepted point of a path: unknowns, level, Newton iterations spent, negative eigenvalues (0: stable, -1: not known)."""
 
     unknowns: Array
     level: float
