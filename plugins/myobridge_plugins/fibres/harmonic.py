@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Harmonic"]
 
-# Below this share of its mean, the gradient is rounding: a stagnation point, where no direction is right.
+# Below this share of its mean, and of one over the size of the body, the gradient is rounding: no direction is right.
 _STILL = 1e-8
 
 
@@ -39,8 +39,8 @@ class Harmonic(Fibres):
     start, end : str
         Named boundaries, such as the two tendon faces; they may lie inside the body too.
     order : {1, 2}
-        Degree of the elements. Of the potential: with 1 the direction is constant in a triangle or tetrahedron; with 2
-        its error falls with the square of the cell size.
+        Degree of the potential. The error of the direction falls with the cell size for 1 (it is constant in a triangle
+        or tetrahedron); for 2 with its square, or its power 3/2 where `start` or `end` is curved and the cells are straight.
 
     Raises
     ------
@@ -71,7 +71,8 @@ class Harmonic(Fibres):
         gradient = potential(mesh, start, end, self.order, points)
         size = np.linalg.norm(gradient, axis=0)
         # A body in pieces: one that touches neither boundary has no potential, one that touches one has no gradient.
-        still = np.flatnonzero(~(size > _STILL * np.nanmean(size)).all(axis=1))
+        usual = max(float(np.nanmean(size)), 1.0 / float(np.linalg.norm(np.ptp(mesh.p, axis=1))))
+        still = np.flatnonzero(~(size > _STILL * usual).all(axis=1))
         if still.size:
             raise ParameterError(
                 "start",
