@@ -63,7 +63,10 @@ class ContinuationProblem(ABC):
 
 @attrs.frozen(eq=False)
 class PathPoint:
-    """Accepted point of a path: unknowns, level, Newton iterations spent, negative eigenvalues (0: stable, -1: not known)."""
+    """Accepted point of a path: unknowns, level, Newton iterations spent, negative eigenvalues.
+
+    Of these 0 is stable, -1 not known.
+    """
 
     unknowns: Array
     level: float
