@@ -40,7 +40,8 @@ class Harmonic(Fibres):
         Named boundaries, such as the two tendon faces; they may lie inside the body too.
     order : {1, 2}
         Degree of the potential. The error of the direction falls with the cell size for 1 (it is constant in a triangle
-        or tetrahedron); for 2 with its square, or its power 3/2 where `start` or `end` is curved and the cells are straight.
+        or tetrahedron); for 2 with its square, or its power 3/2 where `start` or `end` is curved and the cells are
+        straight.
 
     Raises
     ------
