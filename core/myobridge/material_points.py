@@ -40,7 +40,7 @@ class MaterialPoints:
 
     def stress(self, gradient: Array, direction: Array | None = None) -> Array:
         """First Piola-Kirchhoff stress [Pa], shape (n, 3, 3): entry (i, J) acts along i on the reference normal J."""
-        return self._rows(self.material.functions().stress, gradient, direction, 9).reshape(-1, 3, 3)
+        return self._rows(self.material.functions().stress, gradient, direction, 9).reshape(len(gradient), 3, 3)
 
     def tangent(self, gradient: Array, direction: Array | None = None) -> Array:
         """Derivative of the stress [Pa], shape (n, 3, 3, 3, 3): dP[i, J] / dF[k, L] at [i, J, k, L]."""
@@ -56,7 +56,7 @@ class MaterialPoints:
         points = np.zeros((batches * LANES, 12))
         points[:n_points, :9] = gradient.reshape(n_points, 9)
         points[:n_points, 9:] = along
-        state = np.ascontiguousarray(points.reshape(batches, LANES, 12).transpose(0, 2, 1)).reshape(batches, -1)
+        state = np.ascontiguousarray(points.reshape(batches, LANES, 12).transpose(0, 2, 1)).reshape(batches, 12 * LANES)
         out = np.zeros((batches, n_rows * LANES))
         call_in_batches(function.pointer, n_points, state, out, np.ascontiguousarray(self.material.constants))
-        return out.reshape(batches, n_rows, LANES).transpose(0, 2, 1).reshape(-1, n_rows)[:n_points]
+        return out.reshape(batches, n_rows, LANES).transpose(0, 2, 1).reshape(batches * LANES, n_rows)[:n_points]

@@ -1,4 +1,4 @@
-"""Hypothesis strategies for what a cross-bridge model is given: activations, stretches, steps, histories."""
+"""Hypothesis strategies for what a model is given: activations, stretches, steps, histories, deformations."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import hypothesis.strategies as st
 import numpy as np
 
 from myobridge.interfaces import Array, CrossBridgeModel
+from myobridge.testing.material_samples import random_deformations
 
-__all__ = ["History", "activations", "displacements", "histories", "steps", "stretches"]
+__all__ = ["History", "activations", "deformations", "displacements", "histories", "steps", "stretches"]
 
 
 @attrs.frozen(eq=False)
@@ -72,3 +73,16 @@ def histories(
     displacement = generator.uniform(-1.0, 1.0, shape) * speed * dt
     displacement[generator.random(shape) < 0.1] = 0.0
     return History(dt, activation, generator.uniform(0.6, 1.6, shape), displacement)
+
+
+@st.composite
+def deformations(
+    draw: st.DrawFn, n: int = 8, low: float = 0.6, high: float = 1.5, gap: float = 0.0
+) -> tuple[Array, Array]:
+    """Deformation gradients (n, 3, 3) with principal stretches from `low` to `high`, and fibre directions (n, 3).
+
+    Hypothesis draws the extremes and the seed; `gap` keeps fibres away from their length at rest (see
+    `myobridge.testing.material_samples.random_deformations`).
+    """
+    extremes = draw(st.tuples(st.floats(low, 1.0), st.floats(1.0, high)))
+    return random_deformations(np.random.default_rng(draw(st.integers(0, 2**32 - 1))), n, *extremes, gap)

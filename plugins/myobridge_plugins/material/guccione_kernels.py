@@ -105,6 +105,6 @@ def tangent(n, state, out, constants):
         p = _stress(f, h, c, m, fibre, k, k4, k5, bt)
         w1, w2 = 0.5 * k * bt * (trace(c) - 1.0), -0.5 * k * bt
         w4, w5 = k * (0.5 * k4 * (inner(m, m) - 1.0) - 0.5 * k5), 0.25 * k * k5
-        matrix = isotropic_tangent(f, h, c, w1, w2, 0.0, 0.5 * k * bt, 0.0, 0.0, 0.0, 0.0, 0.0)
+        matrix = isotropic_tangent(f, h, c, w1, w2, 0.0, 0.5 * k * bt, 0.0, 0.0, 0.0)
         axial = both_tangents(fibre_tangent(m, fibre, w4, 0.5 * k * k4), fifth_tangent(f, m, fibre, w5))
         store_tangent(out, lane, p, both_tangents(product_tangent(p, 1.0 / k), both_tangents(matrix, axial)))

@@ -88,5 +88,5 @@ def tangent(n, state, out, constants):
         w1, modulus = kept(out, lane), kept_too(out, lane)
         w4, w44 = modulus * x, modulus * (1.0 + 2.0 * bf * x * x)
         p = both_stresses(isotropic_stress(f, h, c, w1, 0.0, -a / J), fibre_stress(m, fibre, w4))
-        matrix = isotropic_tangent(f, h, c, w1, 0.0, -a / J, b * w1, 0.0, 0.0, 0.0, 0.0, a / (J * J))
+        matrix = isotropic_tangent(f, h, c, w1, 0.0, -a / J, b * w1, 0.0, 0.0, a / (J * J))
         store_tangent(out, lane, p, both_tangents(matrix, fibre_tangent(m, fibre, w4, w44)))

@@ -74,15 +74,15 @@ def isotropic_stress(f, h, c, w1, w2, w3):
 
 
 @in_lane
-def isotropic_tangent(f, h, c, w1, w2, w3, w11, w12, w13, w22, w23, w33):
-    """A of W(I1, I2, J).
+def isotropic_tangent(f, h, c, w1, w2, w3, w11, w13, w23, w33):
+    """A of W(I1, I2, J) without W12 and W22, which no law here has.
 
     The second derivative of I2 is 4 F x F + 2 (I1 - b) x I - 2 I x C - 2 F[i, L] F[k, J], whose first term is taken
     with W11; that of J is eps[i, k, m] eps[J, L, M] F[m, M].
     """
     d = _half_slope_of_second(f, c)
-    y = sum_of(sum_of(times(4.0 * (w11 + w2), f), times(4.0 * w12, d)), times(2.0 * w13, h))
-    z = sum_of(sum_of(times(4.0 * w12, f), times(4.0 * w22, d)), times(2.0 * w23, h))
+    y = sum_of(times(4.0 * (w11 + w2), f), times(2.0 * w13, h))
+    z = times(2.0 * w23, h)
     x = sum_of(sum_of(times(2.0 * w13, f), times(2.0 * w23, d)), times(w33, h))
     s = -2.0 * w2
     own = sum_of(identity(2.0 * w1 - s * trace(c)), times(s, c))

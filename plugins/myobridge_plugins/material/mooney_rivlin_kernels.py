@@ -92,4 +92,4 @@ def tangent(n, state, out, constants):
         h, c = cofactor(f), right_cauchy_green(f)
         w1, w2, w3, w13, w23, w33 = slopes(c, determinant(f, h), kept(out, lane), c10, c01, d, e)
         p = isotropic_stress(f, h, c, w1, w2, w3)
-        store_tangent(out, lane, p, isotropic_tangent(f, h, c, w1, w2, w3, 0.0, 0.0, w13, 0.0, w23, w33))
+        store_tangent(out, lane, p, isotropic_tangent(f, h, c, w1, w2, w3, 0.0, w13, w23, w33))

@@ -96,5 +96,5 @@ def tangent(n, state, out, constants):
         w4, w44 = _fibre_slopes(m, kept(out, lane), b, exponent)
         J = determinant(f, h)
         p = both_stresses(isotropic_stress(f, h, c, c10, c01, -d / J), fibre_stress(m, fibre, w4))
-        a = isotropic_tangent(f, h, c, c10, c01, -d / J, 0.0, 0.0, 0.0, 0.0, 0.0, d / (J * J))
+        a = isotropic_tangent(f, h, c, c10, c01, -d / J, 0.0, 0.0, 0.0, d / (J * J))
         store_tangent(out, lane, p, both_tangents(a, fibre_tangent(m, fibre, w4, w44)))
