@@ -70,6 +70,16 @@ def test_jumps_of_all_zones_are_told_and_not_more():
     assert len(jumps) == 28  # those at 2.5 ms, 3.75, ... 36.25 ms
 
 
+@given(time=st.floats(0.0, 1.0), speed=st.floats(0.5, 10.0))
+def test_at_a_jump_the_zone_has_jumped(time, speed):
+    """In spite of rounding: the value at a jump is the one after it."""
+    signal = Steps(times=[time - 1.0, time], values=[0.0, 1.0], interpolation="hold")
+    located = Spatial(signal=signal, speed=speed, delays=5).located(LINE)
+    on = [np.count_nonzero(located.value(jump)) for jump in located.jumps() if jump > time]
+    assert np.all(np.diff([0, *on]) > 0)
+    assert on[-1] == 401
+
+
 def test_an_inner_signal_with_its_own_values_keeps_them():
     own = tuple(np.linspace(0.2, 0.9, 401).tolist())
     both = Spatial(signal=Spatial(signal=Constant(level=own), end=0.07), start=0.03, speed=4.0).located(LINE)
