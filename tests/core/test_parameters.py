@@ -21,8 +21,18 @@ from myobridge.parameters import (
     numbers,
     optional_effects,
     part,
+    parts,
+    records,
     text,
 )
+
+
+@attrs.frozen
+class Place:
+    """A record: declared parameters, no plugin."""
+
+    where: str = text(doc="a name")
+    share: float = number(1.0, within="[0, 1]", doc="a number")
 
 
 @attrs.frozen
@@ -38,6 +48,8 @@ class Sample:
     kind: str = choice("linear", ("linear", "hold"), doc="how")
     file: str = text("", doc="a path", kind="file")
     inner: object = part("signal", None, doc="another plugin", effect="viscosity", on="constant")
+    others: tuple[object, ...] = parts("signal", doc="any number of plugins")
+    places: tuple[Place, ...] = records(Place, doc="any number of records")
     hidden: int = 3
 
 
@@ -54,6 +66,8 @@ ACCEPTED = [
     ("on", True, True),
     ("kind", "hold", "hold"),
     ("file", "a.csv", "a.csv"),
+    ("others", [], ()),
+    ("places", [Place(where="here")], (Place(where="here"),)),
 ]
 
 REFUSED = [
@@ -79,6 +93,8 @@ REFUSED = [
     ("kind", "hold on", "Did you mean 'hold'?"),
     ("kind", ["hold"], "Allowed: hold, linear."),
     ("file", 3, "expected file as a string"),
+    ("others", {"plugin": "ramp"}, "expected a list"),
+    ("places", "here", "is 'here'; expected a list"),
 ]
 
 
@@ -108,10 +124,25 @@ def test_a_required_parameter_must_be_given() -> None:
 
 def test_only_declared_fields_are_for_scenes() -> None:
     said = declared(Sample)
-    assert list(said) == ["length", "optional", "values", "times", "count", "on", "kind", "file", "inner"]
+    assert list(said) == [
+        "length",
+        "optional",
+        "values",
+        "times",
+        "count",
+        "on",
+        "kind",
+        "file",
+        "inner",
+        "others",
+        "places",
+    ]
     assert said["length"].unit == "m"
     assert said["length"].allowed() == "a number in (0, 2] [m]"
     assert said["inner"].allowed() == "a table naming a plugin of family 'signal'"
+    assert said["others"].allowed() == "a list of tables, each naming a plugin of family 'signal'"
+    assert said["places"].allowed() == "a list of tables with where, share"
+    assert Sample().others == Sample().places == (), "none unless given"
     assert optional_effects(Sample) == {"viscosity"}
     assert declared(int) == {}
 
