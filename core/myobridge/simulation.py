@@ -107,7 +107,7 @@ class Simulation:
         self._check_statics()
         jumps = {*solid.jumps(), *(() if activation is None else activation.jumps())}
         self._jumps = sorted(jumps)
-        kinetic, elastic, cross_bridge = self._stored()
+        kinetic, elastic, cross_bridge = self._stored(0.0)
         self.ledger = Ledger(kinetic, elastic, cross_bridge)
 
     # ------------------------------------------------------------------ stepping
@@ -169,7 +169,7 @@ class Simulation:
         self.motion, self.memory = result.motion, result.memory
         if bus is not None:
             bus.commit()
-        self._close(result.report)
+        self._close(result.report, self.time + dt)
         self.seconds["ledger"] += perf_counter() - stepped
         return result.report
 
@@ -182,7 +182,7 @@ class Simulation:
 
     # ------------------------------------------------------------------ energy
 
-    def _stored(self) -> tuple[float, float, float]:
+    def _stored(self, time: float) -> tuple[float, float, float]:
         solid, bus = self.solid, self.bus
         kinetic = 0.0
         inertance = None if bus is None else bus.inertance
@@ -191,10 +191,10 @@ class Simulation:
                 kinetic = 0.5 * float(np.dot(solid.site_volumes * inertance, bus.stretch_rate**2))
         elif self.integrator.inertia:
             kinetic = kinetic_energy(solid, inertance, self.motion.velocity)
-        return kinetic, solid.elastic_energy(self.motion.displacement), 0.0 if bus is None else bus.energy()
+        return kinetic, solid.elastic_energy(self.motion.displacement, time), 0.0 if bus is None else bus.energy()
 
-    def _close(self, report: StepReport) -> None:
-        kinetic, elastic, cross_bridge = self._stored()
+    def _close(self, report: StepReport, time: float) -> None:
+        kinetic, elastic, cross_bridge = self._stored(time)
         external = report.external_work
         if self.solid.n_unknowns == 0:
             external += kinetic - self.ledger.kinetic

@@ -185,12 +185,21 @@ class MacroSolid(ABC):
         """The same solid, with the same unknowns, whose bulk modulus [Pa] is at most this; None where it has none."""
         return None
 
-    def admissible(self, displacement: Array) -> bool:
-        """Whether the displacement is physically possible (J > 0, stretch > 0); Newton backtracks until it is."""
+    def admissible(self, displacement: Array, time: float = 0.0) -> bool:
+        """Whether the displacement is physically possible (J > 0, stretch > 0); Newton backtracks until it is.
+
+        `time` [s] says where supports that move are.
+        """
         return bool(np.all(np.isfinite(displacement)))
 
-    def elastic_energy(self, displacement: Array) -> float:
-        """Stored passive energy [J], without loads and cross-bridges."""
+    def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
+        """Stored passive energy [J], without loads and cross-bridges; `time` [s] says where moving supports are."""
+        return 0.0
+
+    def support_work(
+        self, stage: Motion, law: ActiveLaw | None, stage_time: float, start_time: float, end_time: float
+    ) -> float:
+        """Work [J] that moving supports do on the solid between two times, at the reactions of `stage`."""
         return 0.0
 
     def momentum(self, motion: Motion) -> Array:

@@ -59,6 +59,7 @@ class _Stage(NewtonProblem):
         self.solid, self.law, self.start, self.dt, self.stage = solid, law, motion, dt, stage
         self.end_time = just_before(time + dt, dt)
         self.time = time + stage * dt if stage < 1.0 else self.end_time
+        self.span = (time, self.end_time)
         self.mass = effective_mass(solid, law and law.inertance) if inertia else None
         self.held = 0.0 if self.mass is None else times(self.mass, motion.velocity) / (stage * dt)
         self.n = motion.displacement.size
@@ -77,7 +78,7 @@ class _Stage(NewtonProblem):
         return Motion(start + self.stage * change, change / self.dt, self.multiplier(unknowns))
 
     def admissible(self, unknowns: Array) -> bool:
-        return self.solid.admissible(unknowns[: self.n] if self.constrained else unknowns)
+        return self.solid.admissible(unknowns[: self.n] if self.constrained else unknowns, self.end_time)
 
     def _balance(self, unknowns: Array, *, tangent: bool) -> Balance:
         balance = self.solid.balance(self.at(unknowns), self.law, self.time, tangent=tangent)
@@ -169,7 +170,7 @@ def implicit_stage(
         return StepResult(motion, memory, StepReport())
     problem = _Stage(solid, law, motion, time, dt, stage, inertia)
     guess = start + dt * velocity if inertia else start
-    if not solid.admissible(guess):
+    if not solid.admissible(guess, problem.end_time):
         guess = start
     if problem.constrained:
         guess = np.concatenate([guess, motion.multiplier / problem.scale])
@@ -180,5 +181,7 @@ def implicit_stage(
     end = Motion(displacement, end_velocity, problem.multiplier(found.unknowns))
     if not found.converged:
         return StepResult(end, memory, StepReport(converged=False, reason=found.reason, iterations=found.iterations))
-    report = step_report(solid, law, motion, end, problem.at(found.unknowns), problem.time, found.iterations)
+    report = step_report(
+        solid, law, motion, end, problem.at(found.unknowns), problem.time, problem.span, found.iterations
+    )
     return StepResult(end, memory, report)

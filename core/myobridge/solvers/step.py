@@ -29,11 +29,13 @@ def step_report(
     end: Motion,
     stage: Motion,
     stage_time: float,
+    times: tuple[float, float],
     iterations: int = 0,
 ) -> StepReport:
-    """Report of a step that saw loads and tension at `stage`: the works they did between `start` and `end`."""
+    """Report of a step between two `times` that saw loads and tension at `stage`: the works they did."""
     change = end.displacement - start.displacement
     external = float(np.dot(solid.external_force(stage.displacement, stage_time), change))
+    external += solid.support_work(stage, law, stage_time, *times)
     active = 0.0
     if law is not None and not law.has_potential:
         stretch = solid.stretch(stage.displacement, stage_time)

@@ -243,14 +243,14 @@ class Line(MacroSolid):
             force[-self.n_axes] += float(np.ravel(self.load.value(time))[0])
         return force
 
-    def admissible(self, displacement: Array) -> bool:
+    def admissible(self, displacement: Array, time: float = 0.0) -> bool:
         if not np.all(np.isfinite(displacement)):
             return False
         gradient, stretch = self._gradient(displacement)
         # In one dimension a segment that turned round has passed through zero length.
         return bool(np.all(stretch > 0.0) and (self.n_axes > 1 or np.all(gradient > 0.0)))
 
-    def elastic_energy(self, displacement: Array) -> float:
+    def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
         _, stretch = self._gradient(displacement)
         return 0.5 * self.modulus * float(np.dot(self.site_volumes, (stretch - 1.0) ** 2))
 

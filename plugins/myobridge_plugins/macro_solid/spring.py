@@ -109,10 +109,10 @@ class Spring(MacroSolid):
             return _NO_FORCE
         return np.array(self.load.value(time), dtype=float).reshape(1)
 
-    def admissible(self, displacement: Array) -> bool:
+    def admissible(self, displacement: Array, time: float = 0.0) -> bool:
         return bool(displacement[0] > -self.length)
 
-    def elastic_energy(self, displacement: Array) -> float:
+    def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
         return 0.5 * self.stiffness * float(displacement[0]) ** 2
 
     def momentum(self, motion: Motion) -> Array:

@@ -42,7 +42,7 @@ class StoermerVerlet(TimeIntegrator):
         velocity = half + 0.5 * dt * acceleration(solid, law, moved, just_before(time + dt, dt))
         end = Motion(moved.displacement, velocity, motion.multiplier)
         middle = Motion(0.5 * (motion.displacement + end.displacement), half, motion.multiplier)
-        return StepResult(end, memory, step_report(solid, law, motion, end, middle, time + 0.5 * dt))
+        return StepResult(end, memory, step_report(solid, law, motion, end, middle, time + 0.5 * dt, (time, time + dt)))
 
 
 @hookimpl

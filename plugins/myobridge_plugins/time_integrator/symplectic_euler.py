@@ -33,7 +33,7 @@ class SymplecticEuler(TimeIntegrator):
     ) -> StepResult:
         velocity = motion.velocity + dt * acceleration(solid, law, motion, time)
         end = Motion(motion.displacement + dt * velocity, velocity, motion.multiplier)
-        return StepResult(end, memory, step_report(solid, law, motion, end, motion, time))
+        return StepResult(end, memory, step_report(solid, law, motion, end, motion, time, (time, time + dt)))
 
 
 @hookimpl

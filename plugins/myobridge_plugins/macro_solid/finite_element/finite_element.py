@@ -33,6 +33,7 @@ from myobridge_plugins.macro_solid.finite_element.forces import (
     bulk_energy,
     external_stiffness,
     per_support,
+    support_work,
     total_force,
 )
 from myobridge_plugins.macro_solid.finite_element.momenta import angular_momentum, node_momentum, rigid_motions
@@ -218,6 +219,11 @@ class FiniteElement(MacroSolid):
         rest = self._body.displacement(np.zeros(self.n_unknowns), time)
         return per_support(self._body, self._body.loading.external(rest, time))
 
+    def support_work(
+        self, stage: Motion, law: ActiveLaw | None, stage_time: float, start_time: float, end_time: float
+    ) -> float:
+        return support_work(self._body, stage, law, stage_time, (start_time, end_time))
+
     # ------------------------------------------------------------------ energy, momentum
 
     def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
@@ -243,6 +249,10 @@ class FiniteElement(MacroSolid):
         return angular_momentum(self._body, self._node_mass, motion)
 
     def rigid_motions(self) -> Array:
+        return self._rigid_motions
+
+    @cached_property
+    def _rigid_motions(self) -> Array:
         return rigid_motions(self._body)
 
     # ------------------------------------------------------------------ pictures, times

@@ -16,7 +16,15 @@ import numpy as np
 from myobridge.interfaces import ActiveLaw, Array, Balance, Matrix, Motion
 from myobridge_plugins.macro_solid.finite_element.body import Body
 
-__all__ = ["at_points", "balance", "bulk_energy", "external_stiffness", "per_support", "total_force"]
+__all__ = [
+    "at_points",
+    "balance",
+    "bulk_energy",
+    "external_stiffness",
+    "per_support",
+    "support_work",
+    "total_force",
+]
 
 
 def balance(
@@ -81,6 +89,24 @@ def total_force(body: Body, motion: Motion, tension: Array, time: float) -> Arra
     active = at_points(body, tension) if tension.size else None
     sums = body.assembly.sums(full, pressure, active, None, tangent=False)
     return sums.force + body.loading.bedding(full, time) - body.loading.external(full, time)
+
+
+def support_work(
+    body: Body, stage: Motion, law: ActiveLaw | None, stage_time: float, times: tuple[float, float]
+) -> float:
+    """Reactions at a stage times the way of what is held, between two times [J]."""
+    if not body.held.moving:
+        return 0.0
+    start, end = (body.held.displacement(np.zeros(body.n_full), time) for time in times)
+    if np.array_equal(start, end):
+        return 0.0
+    tension = np.empty(0)
+    if law is not None and body.n_sites:
+        here = body.assembly.kinematics(
+            body.displacement(stage.displacement, stage_time), body.velocity(stage.velocity, stage_time)
+        )
+        tension = law.evaluate(here.stretch[: body.n_sites], here.rate[: body.n_sites]).tension
+    return float(total_force(body, stage, tension, stage_time) @ (end - start))
 
 
 def per_support(body: Body, force: Array) -> dict[str, Array]:
