@@ -12,7 +12,7 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.simulation import Simulation
-from myobridge.tables import effects_table, ledger_table, settings_table, shares_table
+from myobridge.tables import effects_table, ledger_table, settings_table, shares_table, written
 
 __all__ = ["follow"]
 
@@ -57,7 +57,7 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
         console.print(shares_table(run, wall, simulation.steps - first))
         console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {wall:.2f} s")
     if run.output is not None:
-        console.print(f"wrote {run.output}", markup=False, soft_wrap=True)
+        console.print(written(run.output, result), markup=False, highlight=False, soft_wrap=True)
     return result
 
 

@@ -15,7 +15,7 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.static_run import StaticRun, UnstableEquilibrium
 from myobridge.statics import Statics
-from myobridge.tables import effects_table, settings_table
+from myobridge.tables import effects_table, settings_table, written
 
 __all__ = ["follow_path", "path_table"]
 
@@ -48,7 +48,7 @@ def follow_path(run: StaticRun, plan: Plan, *, quiet: bool = False) -> Result:
         if said:  # also when nothing else is printed
             print(f"myobridge: WARNING: {said}", file=sys.stderr)
     if run.output is not None:
-        console.print(f"wrote {run.output}", markup=False, soft_wrap=True)
+        console.print(written(run.output, result), markup=False, highlight=False, soft_wrap=True)
     return result
 
 

@@ -84,6 +84,8 @@ class Statics:
         except ParameterError as error:
             raise SceneError(f"continuation.{error}") from None
         self.kept = self.scaling.kept()
+        parts = {"activation": activation, "sarcomere_density": sarcomere_density}
+        self._given = [name for name, given in parts.items() if given is not None]
         try:
             activation = located(activation, solid)
         except ParameterError as error:
@@ -139,11 +141,15 @@ class Statics:
         return found
 
     def fields(self, point: PathPoint) -> Mapping[str, Array]:
-        """Fields that live at the sites: stretch, and with cross-bridges tension, activation."""
+        """Fields that live at the sites: stretch, tension, activation and sarcomere density, as far as there are such."""
         stretch, tension = self.stretch_and_tension(point)
         if self.tension is None:
             return {"stretch": stretch}
-        return {"stretch": stretch, "tension": tension, "activation": self.tension.activation}
+        local = {
+            "activation": self.tension.activation,
+            "sarcomere_density": self.tension.unit / self.tension.model.p_max,
+        }
+        return {"stretch": stretch, "tension": tension} | {name: local[name] for name in self._given}
 
     # ------------------------------------------------------------------ what does not go together
 

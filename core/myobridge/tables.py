@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from rich.console import Group
@@ -16,6 +17,7 @@ from myobridge.ledger import FLOWS, STORED
 from myobridge.parameters import declared
 from myobridge.plan import Plan
 from myobridge.registry import Registry
+from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.scaling import Scaling
 from myobridge.static_recording import STATIC_QUANTITIES
@@ -28,6 +30,7 @@ __all__ = [
     "settings_table",
     "shares_table",
     "sizes_table",
+    "written",
 ]
 
 
@@ -159,6 +162,17 @@ def shares_table(run: Run, wall: float, steps: int) -> Table:
     iterations = simulation.iterations / max(simulation.steps, 1)
     table.add_row("a step", f"{wall / max(steps, 1):.2e}", f"{iterations:.2f} iterations")
     return table
+
+
+def written(path: Path, result: Result) -> str:
+    """Which file was written, and of a body what to do with it."""
+    if result.mesh is None:
+        return f"wrote {path}"
+    size = _bytes(path.stat().st_size)
+    return (
+        f"wrote {path} ({len(result.fields)} states of {len(result.mesh.cells):,} cells, {size}); "
+        f"myobridge show {path} draws it, ParaView's VTKHDF reader opens it"
+    )
 
 
 def plugins_table(registry: Registry) -> Group:

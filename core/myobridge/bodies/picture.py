@@ -71,7 +71,7 @@ def draw_body(
     places = [mesh.points + state["displacement"] for state in chosen]
     n = intervals(seen, _MOST_TRIANGLES[engine])
     outline = polylines(seen, mesh.points, n, _outline(mesh, seen, look) if deep else seen.border())
-    frame = _frame([*(look.flattened(place) for place in places), look.flattened(outline.reshape(-1, 3))])
+    frame = _frame([*(look.flattened(place) for place in places), look.flattened(outline.reshape(-1, 3))], deep)
     figure, axes = _panels(frame, len(chosen))
     paint = _painter(engine, look, frame)
     for axis, state, place, values in zip(axes, chosen, places, colouring.values, strict=False):
@@ -117,12 +117,12 @@ def _outline(mesh: VisibleMesh, seen: Skin, look: View) -> np.ndarray:
     return found
 
 
-def _frame(points: list[Array]) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top [mm] around all points, with a margin."""
+def _frame(points: list[Array], deep: bool) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top [mm] around all points, with a margin; below a body in space one for the scale."""
     everything = 1e3 * np.concatenate(points)
     low, high = everything.min(axis=0), everything.max(axis=0)
     margin = 0.04 * float((high - low).max())
-    return low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin
+    return low[0] - margin, high[0] + margin, low[1] - (2.5 * margin if deep else margin), high[1] + margin
 
 
 def _panels(frame: tuple[float, float, float, float], count: int) -> tuple[Any, list[Any]]:
@@ -171,7 +171,7 @@ def _dress(axis: Any, frame: tuple[float, float, float, float], name: str, look:
     span = frame[1] - frame[0]
     length = 10.0 ** np.floor(np.log10(0.4 * span))
     length *= max(k for k in (1, 2, 5) if k * length <= 0.4 * span)
-    corner = np.array([frame[1] - 0.03 * span - length, frame[2] + 0.03 * (frame[3] - frame[2])])
+    corner = np.array([frame[1] - 0.03 * span - length, frame[2] + 0.02 * span])
     axis.plot(corner[0] + np.array([0.0, length]), corner[[1, 1]], color="black", linewidth=1.5, zorder=4)
     middle = (corner[0] + 0.5 * length, corner[1])
     axis.annotate(f"{length:g} mm", middle, (0, 3), textcoords="offset points", fontsize=7, ha="center")
