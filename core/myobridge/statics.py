@@ -141,7 +141,7 @@ class Statics:
         return found
 
     def fields(self, point: PathPoint) -> Mapping[str, Array]:
-        """Fields that live at the sites: stretch, tension, activation and sarcomere density, as far as there are such."""
+        """Fields at the sites: stretch, tension, activation and sarcomere density, as far as the scene has them."""
         stretch, tension = self.stretch_and_tension(point)
         if self.tension is None:
             return {"stretch": stretch}
