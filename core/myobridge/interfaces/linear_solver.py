@@ -96,7 +96,10 @@ class Factorisation(ABC):
         return 0
 
     def inertia(self) -> Inertia | None:
-        """Signs of the eigenvalues where the factorisation knows them; None where it does not."""
+        """Signs of the eigenvalues where the factorisation knows them; None where it does not.
+
+        A solver that iterates may count fewer negative ones than there are, but not miss that there are some.
+        """
         return None
 
     def describe(self) -> str:

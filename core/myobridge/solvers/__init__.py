@@ -1,7 +1,7 @@
 """Solvers: Newton and linear algebra, a public service that integrators and continuation share."""
 
 from myobridge.interfaces import NewtonResult
-from myobridge.solvers.choice import Automatic, Choice, choose, factorise
+from myobridge.solvers.choice import Automatic, Choice, choice_for, choose, factorise
 from myobridge.solvers.explicit import acceleration
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
 from myobridge.solvers.linear import (
@@ -15,6 +15,7 @@ from myobridge.solvers.linear import (
     times,
 )
 from myobridge.solvers.newton import Ordinary, is_round_off, iterate, newton
+from myobridge.solvers.stability import stability
 from myobridge.solvers.stage import implicit_stage
 from myobridge.solvers.step import effective_mass, kinetic_energy, step_report
 
@@ -31,6 +32,7 @@ __all__ = [
     "acceleration",
     "add_scaled",
     "bordered",
+    "choice_for",
     "choose",
     "effective_mass",
     "factorise",
@@ -42,6 +44,7 @@ __all__ = [
     "mass_solver",
     "newton",
     "solve",
+    "stability",
     "step_report",
     "times",
 ]

@@ -12,7 +12,7 @@ from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSyste
 from myobridge.solvers.dense import DenseFactorisation
 from myobridge.solvers.inertia import Inertia
 
-__all__ = ["Automatic", "Choice", "choose", "factorise"]
+__all__ = ["Automatic", "Choice", "choice_for", "choose", "factorise"]
 
 # Below this size LAPACK on the whole matrix costs less than any analysis of its pattern.
 _DENSE = 120
@@ -29,7 +29,9 @@ class Choice(NamedTuple):
     reason: str
 
 
-def choose(n_unknowns: int, dimension: int, available: frozenset[str] | None = None) -> Choice:
+def choose(
+    n_unknowns: int, dimension: int, available: frozenset[str] | None = None, *, structured: bool = True
+) -> Choice:
     """The solver for systems of this size.
 
     Parameters
@@ -40,6 +42,8 @@ def choose(n_unknowns: int, dimension: int, available: frozenset[str] | None = N
         2 or 3: in space factors fill in far more.
     available : frozenset of str, optional
         Names of solvers that can be used; by default those that are registered and have no obstacle.
+    structured : bool
+        Whether the fields and their rigid motions are known; without, iterations have nothing to stand on.
     """
     present = _available() if available is None else available
     size = f"{n_unknowns} unknowns in {dimension}D"
@@ -48,9 +52,20 @@ def choose(n_unknowns: int, dimension: int, available: frozenset[str] | None = N
             if name in present:
                 return Choice(name, f"{size}, and {package} is installed")
     limit = _SUPERLU[dimension]
-    if n_unknowns <= limit or "amg_gmres" not in present:
+    if n_unknowns <= limit:
         return Choice("superlu", f"{size}, direct up to {limit}")
+    if not structured or "amg_gmres" not in present:
+        return Choice("superlu", f"{size}: without its rigid motions no iterative solver suits the matrix")
     return Choice("amg_gmres", f"{size}: beyond {limit} factors cost more than iterations")
+
+
+def choice_for(system: LinearSystem) -> Choice:
+    """The solver for this system: "dense" (LAPACK, no plugin) or a registered one."""
+    n = system.n_unknowns
+    whole = isinstance(system.stiffness, np.ndarray) and system.gradient is None
+    if n <= _DENSE or whole:
+        return Choice("dense", f"{n} unknowns" + (", all coupled" if n > _DENSE else ""))
+    return choose(n, _dimension(system), structured=system.rigid_motions is not None)
 
 
 @final
@@ -61,9 +76,9 @@ class Automatic(LinearSolver):
     summary: ClassVar[str] = "the solver that suits the size of the system and the packages that are installed"
 
     def factorise(self, system: LinearSystem) -> Factorisation:
-        if system.n_unknowns <= _DENSE:
+        name, reason = choice_for(system)
+        if name == "dense":
             return DenseFactorisation(_dense(system.matrix()), symmetric=system.symmetric)
-        name, reason = choose(system.n_unknowns, _dimension(system))
         from myobridge.registry import registry
 
         return _Chosen(registry().find("linear_solver", name).cls().factorise(system), reason)

@@ -10,7 +10,8 @@ import numpy as np
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem
 from myobridge.parameters import integer
-from myobridge.solvers import SingularMatrix, UnsolvedSystem
+from myobridge.solvers import Inertia, SingularMatrix, UnsolvedSystem
+from myobridge_plugins.linear_solver.smallest_eigenvalues import judged
 
 __all__ = ["AmgGmres"]
 
@@ -32,7 +33,8 @@ class AmgGmres(LinearSolver):
     with :math:`\hat K` smoothed aggregation (Vanek et al. [1]_, by pyamg) of the symmetric part of `K`, which is told
     the rigid motions. Preconditioned from the right, the residual that GMRES minimises is the true one. Its iterations
     grow slowly with the mesh, its memory is that of the matrix and of one vector for each iteration up to `restart`.
-    There is no inertia, and a matrix that is singular shows itself by iterations that do not end.
+    The inertia is looked for and not proven (`smallest_eigenvalues`); a matrix that is singular shows itself by
+    iterations that do not end.
 
     Parameters
     ----------
@@ -125,6 +127,9 @@ class _Multigrid(Factorisation):
             f"{tolerance:.1e}. Near a limit point or for an unstable state take a direct solver (superlu, or pardiso "
             "or mumps where installed); else raise 'max_iterations' or 'restart'"
         )
+
+    def inertia(self) -> Inertia | None:
+        return judged(self._system, self._cycle)
 
     @property
     def iterations(self) -> int:

@@ -23,6 +23,8 @@ __all__ = ["DirectFactorisation"]
 _EPS = float(np.finfo(float).eps)
 # Steps of refinement; more than two gain nothing unless the factors are bad.
 _REFINEMENTS = 3
+# Tolerances above this are for corrections that need not be exact.
+_ROUGH = 1e-6
 # What a stable elimination leaves, in units of round-off.
 _STABLE = 100.0
 # A residual above this share of the right side is no solution.
@@ -76,8 +78,8 @@ class DirectFactorisation(Factorisation):
             if not now < missed:
                 break
             best, missed = found, now
-            # One refinement always: it costs little, and small terms of the right side want it.
-            if refined > 0 and missed <= tolerance * size:
+            # One refinement unless little is asked for: it costs little, and small terms of the right side want it.
+            if missed <= tolerance * size and (refined > 0 or tolerance > _ROUGH):
                 return best
             found = found + self._inverse(rest)
         round_off = _STABLE * _EPS * self._norm * float(np.linalg.norm(best))
