@@ -234,6 +234,12 @@ class Bending(MacroSolid):
 
 
 @pytest.fixture(scope="session")
+def nodes_of() -> Mapping[str, list[list[int]]]:
+    """Of each kind of cell, in VTK's order, the corners whose middle is each node."""
+    return {kind: [[int(corner) for corner in name] for name in names] for kind, names in NODES.items()}
+
+
+@pytest.fixture(scope="session")
 def bending() -> Callable[..., Bending]:
     """Body of a kind of cells: ``bending("tetra10", counts=(4, 2, 2), size=(0.1, 0.02, 0.02), bend=2.0)``."""
 

@@ -11,6 +11,8 @@ import pytest
 
 import myobridge as mb
 from myobridge.field_recording import MOST_STATES, stride
+from myobridge.plan import Plan
+from myobridge.run import start
 from myobridge.vtkhdf import CELL_TYPES
 
 vtk_hdf = pytest.importorskip("vtkmodules.vtkIOHDF", reason="VTK's reader comes with the extra 'test' or 'viz'")
@@ -245,3 +247,73 @@ def test_a_body_of_ten_thousand_sites_is_saved(moving, tmp_path: Path) -> None:
     again = mb.Result.load(tmp_path / "large.h5")
     np.testing.assert_array_equal(again.sites, np.arange(10_000))
     assert_same_states(result, again)
+
+
+MUSCLE = """
+[scene]
+name = "muscle"
+effects = ["cross_bridges", "incompressibility", "sarcomere_density"]
+[solid]
+plugin = "finite_element"
+mesh = {{ plugin = "block", shape = "{shape}", size = {size}, cells = {cells} }}
+material = {{ plugin = "mooney_rivlin" }}
+[[support]]
+boundary = "left"
+[cross_bridges]
+plugin = "prescribed"
+[sarcomere_density]
+plugin = "tapered"
+[continuation]
+plugin = "natural"
+to = 0.2
+report = [0.0, 0.1, 0.2]
+"""
+MUSCLES = [
+    ("triangle", [0.04, 0.02], [4, 2], "triangle6"),
+    ("quadrilateral", [0.04, 0.02], [2, 1], "quad9"),
+    ("tetrahedron", [0.04, 0.02, 0.02], [2, 1, 1], "tetra10"),
+    ("hexahedron", [0.04, 0.02, 0.02], [2, 1, 1], "hexahedron27"),
+]
+
+
+@pytest.mark.parametrize(("shape", "size", "cells", "kind"), MUSCLES)
+def test_a_finite_element_muscle_is_read_by_vtk(shape: str, size, cells, kind: str, nodes_of, tmp_path: Path) -> None:
+    scene = mb.Scene.from_toml(MUSCLE.format(shape=shape, size=size, cells=cells))
+    result = mb.run(scene, tmp_path / "muscle.h5")
+    mesh = result.mesh
+    assert mesh.kind == kind
+    for number, corners in enumerate(nodes_of[kind]):
+        middle = mesh.points[mesh.cells[:, corners]].mean(axis=1)
+        np.testing.assert_allclose(mesh.points[mesh.cells[:, number]], middle, atol=1e-15, err_msg=f"node {number}")
+    read = Read(tmp_path / "muscle.h5")
+    assert read.times == pytest.approx([0.0, 0.1, 0.2])
+    expected = {"displacement", "pressure", "stretch", "tension", "sarcomere_density", "fibre", "J"}
+    assert {name for state in result.fields for name in state.names} == expected, "no activation: nobody called for it"
+    for state in result.fields:
+        grid = read.grid(state.time)
+        found = arrays(grid.GetPointData()) | arrays(grid.GetCellData())
+        for name in expected:
+            np.testing.assert_array_equal(found[name], state[name], err_msg=name)
+        # Incompressible: on the whole, and the mean ratio of each cell is that of its volumes.
+        deformed = volumes(grid, found["displacement"])
+        assert deformed.sum() == pytest.approx(np.prod(size), rel=1e-8)
+        np.testing.assert_allclose(deformed * len(deformed) / np.prod(size), found["J"], rtol=1e-8)
+    last = result.fields[-1]
+    assert np.ptp(last["displacement"]) > 1e-4, "it must have moved"
+    np.testing.assert_allclose(last["tension"], 0.2 * 73e3 * last["sarcomere_density"], rtol=1e-12)
+    assert np.ptp(last["sarcomere_density"]) > 0.01
+
+
+def test_a_finite_element_muscle_resumes_with_its_states(tmp_path: Path) -> None:
+    text = MUSCLE.format(shape="triangle", size=[0.04, 0.02], cells=[2, 1])
+    text = text.replace('name = "muscle"', 'name = "muscle"\nduration = 0.05\nstep = 1e-3').partition("[continuation]")[
+        0
+    ]
+    scene = mb.Scene.from_toml(text.replace('plugin = "prescribed"', 'plugin = "distributed_moment"'))
+    whole = mb.run(scene)
+    start(Plan.of(scene), tmp_path / "part.h5").to(scene.duration, until=0.023)
+    assert len(mb.Result.load(tmp_path / "part.h5").fields) == 24
+    continued, again = mb.resume(tmp_path / "part.h5")
+    assert_same_states(continued.to(again.duration), whole)
+    assert [state.step for state in whole.fields] == list(range(0, 51, 2))
+    assert np.ptp([state["stretch"].mean() for state in whole.fields]) > 1e-3, "it must have moved"
