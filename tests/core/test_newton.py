@@ -10,7 +10,8 @@ import scipy.sparse as sparse
 from hypothesis import given
 from hypothesis import strategies as st
 
-from myobridge.solvers import newton
+from myobridge.interfaces import NewtonProblem
+from myobridge.solvers import Ordinary, newton
 
 
 def anywhere(_: np.ndarray) -> bool:
@@ -96,3 +97,32 @@ def test_a_residual_below_the_round_off_of_its_terms_is_nothing() -> None:
     harder = newton(lambda x: (x - 1e-10, np.eye(1), 1e-3), np.zeros(1), admissible=anywhere)
     assert harder.converged
     assert harder.unknowns[0] == pytest.approx(1e-10, rel=1e-12)
+
+
+def test_the_history_tells_every_iteration() -> None:
+    found = newton(lambda x: (np.log(x), np.diag(1.0 / x), 1.0), np.array([8.0]), admissible=lambda x: bool(x[0] > 0.0))
+    assert len(found.history) == found.iterations
+    assert found.history[0].residual == pytest.approx(np.log(8.0))
+    assert found.history[0].fraction == 0.25  # 8 - 16.6 and 8 - 8.3 are below zero
+    assert found.history[-1].fraction == 1.0
+    assert all(step.linear_iterations == 0 for step in found.history)
+
+
+def test_growth_out_of_all_proportion_halves_the_step() -> None:
+    """From 0.05 the correction of x^5 = 1 goes to 3e4, where the residual is 1e22: the way back is long."""
+
+    class Quintic(NewtonProblem):
+        def residual(self, unknowns: np.ndarray) -> tuple[np.ndarray, float]:
+            return unknowns**5 - 1.0, 1.0
+
+        def tangent(self, unknowns: np.ndarray) -> np.ndarray:
+            return np.diag(5.0 * unknowns**4)
+
+    far = Ordinary(growth=np.inf).solve(Quintic(), np.array([0.05]))
+    assert not far.converged
+    assert far.history[1].residual > 1e21
+    near = Ordinary().solve(Quintic(), np.array([0.05]))
+    assert near.converged
+    assert near.unknowns[0] == pytest.approx(1.0, abs=1e-12)
+    assert near.history[0].fraction < 1.0
+    assert max(step.residual for step in near.history) <= 1e6

@@ -92,7 +92,7 @@ def iterate(
             if problem.admissible(candidate):
                 residual, magnitude = problem.residual(candidate)
                 size = _size(residual)
-                if size <= growth * before:  # false where it is not finite
+                if math.isfinite(size) and size <= growth * before:
                     break
             fraction *= 0.5
         else:
