@@ -13,8 +13,8 @@ import myobridge as mb
 PAGE = Path(__file__).parents[2] / "docs" / "api.md"
 
 TOPICS: Mapping[str, Sequence[str]] = {
-    "Scenes and runs": ("Scene", "Plan", "run", "resume", "Run", "Record", "Result"),
-    "Composition in Python": ("Simulation", "CouplingBus", "Ledger", "registry"),
+    "Scenes and runs": ("Scene", "Plan", "run", "resume", "Run", "StaticRun", "Record", "Result"),
+    "Composition in Python": ("Simulation", "Statics", "CouplingBus", "Ledger", "registry"),
     "Interfaces": (
         "CrossBridgeModel",
         "MacroSolid",
@@ -25,6 +25,11 @@ TOPICS: Mapping[str, Sequence[str]] = {
         "ActivationKinetics",
         "Overlap",
         "SarcomereDensity",
+        "Material",
+        "MeshSource",
+        "Fibres",
+        "Load",
+        "LinearSolver",
         "ActiveLaw",
         "ContinuationProblem",
     ),
@@ -39,7 +44,7 @@ TOPICS: Mapping[str, Sequence[str]] = {
         "ContinuationPath",
     ),
     "Hooks": ("hookimpl",),
-    "Errors": ("MyobridgeError", "SceneError", "ParameterError", "PluginError", "StepFailed"),
+    "Errors": ("MyobridgeError", "SceneError", "ParameterError", "PluginError", "StepFailed", "ContinuationFailed"),
 }
 MODULES = (
     "myobridge.coupling",
