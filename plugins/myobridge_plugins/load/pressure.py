@@ -49,7 +49,7 @@ class Pressure(Load):
     def stiffness(self, surface: Surface, displacement: Array, time: float) -> Array:
         pressure = factor(self.scale, time) * self.pressure
         slopes = area_slopes(surface, displacement)
-        return pressure * np.einsum("pa,fpibj->faibj", surface.shapes, slopes)
+        return pressure * np.einsum("pa,fpibj->faibj", surface.shapes, slopes, optimize=True)
 
     def jumps(self) -> tuple[float, ...]:
         return () if self.scale is None else self.scale.jumps()

@@ -40,7 +40,7 @@ class Guccione(Material):
     References
     ----------
     .. [1] J. M. Guccione, A. D. McCulloch, L. K. Waldman, J. Biomech. Eng. 113 (1991) 42-55.
-    .. [2] S. Land et al., Proc. R. Soc. A 471 (2015) 20150641, Eq. of the constitutive law and problems 1 and 2.
+    .. [2] S. Land et al., Proc. R. Soc. A 471 (2015) 20150641, constitutive law and problems 1 and 2.
     """
 
     summary: ClassVar[str] = "exponential of the strain, transversely isotropic (Guccione 1991)"
