@@ -69,7 +69,7 @@ class Load(ABC):
     boundary: str
 
     @abstractmethod
-    def force(self, surface: Surface, displacement: Array, time: float) -> Array:
+    def nodal_force(self, surface: Surface, displacement: Array, time: float) -> Array:
         """Nodal forces [N] at `displacement` (n_facets, n_nodes, dim) [m]; same shape.
 
         Raises
@@ -78,11 +78,11 @@ class Load(ABC):
             If the load does not fit the dimension.
         """
 
-    def stiffness(self, surface: Surface, displacement: Array, time: float) -> Array | None:
+    def nodal_stiffness(self, surface: Surface, displacement: Array, time: float) -> Array | None:
         """Minus d force / d displacement, (n_facets, n_nodes, dim, n_nodes, dim) [N/m]; None where it is zero."""
         return None
 
-    def mass(self, surface: Surface) -> Array | None:
+    def nodal_mass(self, surface: Surface) -> Array | None:
         """Mass that hangs on the facets, (n_facets, n_nodes, n_nodes) [kg], the same for each component; None: none."""
         return None
 

@@ -25,7 +25,7 @@ class Force(Load):
     ----------
     boundary : str
         Name of the boundary.
-    resultant : sequence of float, shape (dim,)
+    force : sequence of float, shape (dim,)
         Total force F [N], along the axes. In 2D it is that on the whole thickness.
     scale : Signal, optional
         Factor s(t) [-]; without it 1.
@@ -35,11 +35,11 @@ class Force(Load):
     dead: ClassVar[bool] = True
 
     boundary: str = text(doc="name of the boundary")
-    resultant: float | tuple[float, ...] = numbers(unit="N", doc="total force, one number an axis")
+    force: float | tuple[float, ...] = numbers(unit="N", doc="total force, one number an axis")
     scale: Signal | None = part("signal", None, doc="factor as a function of time")
 
-    def force(self, surface: Surface, displacement: Array, time: float) -> Array:
-        traction = vector("resultant", self.resultant, surface, "N") / surface.areas.sum()
+    def nodal_force(self, surface: Surface, displacement: Array, time: float) -> Array:
+        traction = vector("force", self.force, surface, "N") / surface.areas.sum()
         return factor(self.scale, time) * spread(surface, traction)
 
     def jumps(self) -> tuple[float, ...]:

@@ -31,7 +31,7 @@ class HangingMass(Load):
     ----------
     boundary : str
         Name of the boundary.
-    hung_mass : float
+    mass : float
         Mass m [kg].
     gravity : sequence of float, shape (dim,), optional
         Acceleration g [m/s^2]; without it 9.81 against the last axis.
@@ -41,19 +41,19 @@ class HangingMass(Load):
     dead: ClassVar[bool] = True
 
     boundary: str = text(doc="name of the boundary")
-    hung_mass: float = number(unit="kg", within="[0, inf)", doc="mass that hangs on the boundary")
+    mass: float = number(unit="kg", within="[0, inf)", doc="mass that hangs on the boundary")
     gravity: float | tuple[float, ...] = numbers((), unit="m/s^2", doc="acceleration; 9.81 against the last axis")
 
-    def force(self, surface: Surface, displacement: Array, time: float) -> Array:
+    def nodal_force(self, surface: Surface, displacement: Array, time: float) -> Array:
         if self.gravity == ():
             acceleration = np.zeros(surface.dimension)
             acceleration[-1] = -_GRAVITY
         else:
             acceleration = vector("gravity", self.gravity, surface, "m/s^2")
-        return spread(surface, self.hung_mass / surface.areas.sum() * acceleration)
+        return spread(surface, self.mass / surface.areas.sum() * acceleration)
 
-    def mass(self, surface: Surface) -> Array:
-        density = self.hung_mass / surface.areas.sum()
+    def nodal_mass(self, surface: Surface) -> Array:
+        density = self.mass / surface.areas.sum()
         return density * np.einsum("fp,pa,pb->fab", surface.areas, surface.shapes, surface.shapes)
 
 

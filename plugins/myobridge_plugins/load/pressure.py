@@ -42,11 +42,11 @@ class Pressure(Load):
     pressure: float = number(unit="Pa", doc="pressure, positive into the body")
     scale: Signal | None = part("signal", None, doc="factor as a function of time")
 
-    def force(self, surface: Surface, displacement: Array, time: float) -> Array:
+    def nodal_force(self, surface: Surface, displacement: Array, time: float) -> Array:
         pressure = factor(self.scale, time) * self.pressure
         return -pressure * np.einsum("pa,fpi->fai", surface.shapes, area_vectors(surface, displacement))
 
-    def stiffness(self, surface: Surface, displacement: Array, time: float) -> Array:
+    def nodal_stiffness(self, surface: Surface, displacement: Array, time: float) -> Array:
         pressure = factor(self.scale, time) * self.pressure
         slopes = area_slopes(surface, displacement)
         return pressure * np.einsum("pa,fpibj->faibj", surface.shapes, slopes, optimize=True)

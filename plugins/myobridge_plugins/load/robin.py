@@ -40,17 +40,17 @@ class Robin(Load):
     normal: float = number(0.0, unit="Pa/m", within="[0, inf)", doc="stiffness along the reference normal")
     tangential: float = number(0.0, unit="Pa/m", within="[0, inf)", doc="stiffness across the reference normal")
 
-    def force(self, surface: Surface, displacement: Array, time: float) -> Array:
-        return -np.einsum("faibj,fbj->fai", self.stiffness(surface, displacement, time), displacement)
+    def nodal_force(self, surface: Surface, displacement: Array, time: float) -> Array:
+        return -np.einsum("faibj,fbj->fai", self.nodal_stiffness(surface, displacement, time), displacement)
 
-    def stiffness(self, surface: Surface, displacement: Array, time: float) -> Array:
+    def nodal_stiffness(self, surface: Surface, displacement: Array, time: float) -> Array:
         normals = unit_normals(surface)
         along = np.einsum("fpi,fpj->fpij", normals, normals)
         local = self.tangential * np.eye(surface.dimension) + (self.normal - self.tangential) * along
         return np.einsum("fp,pa,pb,fpij->faibj", surface.areas, surface.shapes, surface.shapes, local, optimize=True)
 
     def energy(self, surface: Surface, displacement: Array) -> float:
-        return -0.5 * float(np.vdot(self.force(surface, displacement, 0.0), displacement))
+        return -0.5 * float(np.vdot(self.nodal_force(surface, displacement, 0.0), displacement))
 
 
 @hookimpl

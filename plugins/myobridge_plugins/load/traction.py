@@ -38,7 +38,7 @@ class Traction(Load):
     traction: float | tuple[float, ...] = numbers(unit="Pa", doc="nominal traction, one number an axis")
     scale: Signal | None = part("signal", None, doc="factor as a function of time")
 
-    def force(self, surface: Surface, displacement: Array, time: float) -> Array:
+    def nodal_force(self, surface: Surface, displacement: Array, time: float) -> Array:
         return factor(self.scale, time) * spread(surface, vector("traction", self.traction, surface, "Pa"))
 
     def jumps(self) -> tuple[float, ...]:

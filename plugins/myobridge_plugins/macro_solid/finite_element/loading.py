@@ -65,7 +65,7 @@ class Loading:
         for load, part in self._pairs():
             if stores(load) != stored:
                 continue
-            local = load.stiffness(part.surface, self._nodal(part, displacement), time)
+            local = load.nodal_stiffness(part.surface, self._nodal(part, displacement), time)
             if local is None:
                 continue
             numbers = self._numbers(part)
@@ -84,7 +84,7 @@ class Loading:
         total: Any = None
         n_nodes = self.weight.size // self.dimension
         for load, part in self._pairs():
-            local = load.mass(part.surface)
+            local = load.nodal_mass(part.surface)
             if local is None:
                 continue
             n_facets, width = part.nodes.shape
@@ -108,7 +108,7 @@ class Loading:
         """
         for index, (load, part) in enumerate(self._pairs()):
             try:
-                load.force(part.surface, np.zeros_like(part.surface.positions), 0.0)
+                load.nodal_force(part.surface, np.zeros_like(part.surface.positions), 0.0)
             except ParameterError as error:
                 raise ParameterError(f"load[{index}].{error.key}", error.problem) from None
 
@@ -118,7 +118,7 @@ class Loading:
     def _force(self, displacement: Array, time: float, stored: bool, total: Array) -> Array:
         for load, part in self._pairs():
             if stores(load) == stored:
-                force = load.force(part.surface, self._nodal(part, displacement), time)
+                force = load.nodal_force(part.surface, self._nodal(part, displacement), time)
                 np.add.at(total, self._numbers(part).ravel(), force.ravel())
         return total
 
