@@ -100,6 +100,8 @@ class _Multigrid(Factorisation):
         if size == 0.0:
             return np.zeros_like(vector)
 
+        linear_operator: Any = sparse_linalg.LinearOperator  # its types know no matvec
+
         def product(inner: Array) -> Array:
             self._iterations += 1
             return self._system.times(self._precondition(inner))
@@ -110,7 +112,7 @@ class _Multigrid(Factorisation):
         restart = min(self._solver.restart, n)
         while missed > tolerance * size and self._iterations < self._solver.max_iterations:
             room = min(restart, self._solver.max_iterations - self._iterations)
-            operator = sparse_linalg.LinearOperator((n, n), matvec=product, dtype=np.float64)
+            operator: Any = linear_operator((n, n), matvec=product, dtype=np.float64)
             # One cycle a call: the residual that counts is computed afresh, not the one that was carried along.
             inner, _ = sparse_linalg.gmres(
                 operator, rest, rtol=0.9 * tolerance * size / missed, atol=0.0, restart=room, maxiter=1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import weakref
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, NamedTuple, final
 
 import attrs
 import numpy as np
@@ -80,6 +80,43 @@ class Pardiso(LinearSolver):
         return DirectFactorisation(whole, call.solve, text, known if call.told(14) == 0 else None)
 
 
+class _Handle(NamedTuple):
+    """What a call of PARDISO needs: function, type and array of its pointers, iparm, kind and rows, matrix."""
+
+    function: Any
+    pointer_type: Any
+    pointers: Any
+    settings: Any
+    sizes: tuple[int, int]
+    matrix: tuple[Any, ...]
+
+
+def _call(handle: _Handle, phase: int, right: Array, found: Array) -> int:
+    """One phase; PARDISO's error, 0 for none."""
+    integer, integers = ctypes.c_int32, ctypes.POINTER(ctypes.c_int32)
+    one, error = integer(1), integer(0)
+    values, starts, columns, order = handle.matrix
+    handle.function(
+        handle.pointers.ctypes.data_as(ctypes.POINTER(handle.pointer_type)),
+        ctypes.byref(one),
+        ctypes.byref(one),
+        ctypes.byref(integer(handle.sizes[0])),
+        ctypes.byref(integer(phase)),
+        ctypes.byref(integer(handle.sizes[1])),
+        values.ctypes.data_as(ctypes.c_void_p),
+        starts.ctypes.data_as(integers),
+        columns.ctypes.data_as(integers),
+        order.ctypes.data_as(integers),
+        ctypes.byref(one),
+        handle.settings.ctypes.data_as(integers),
+        ctypes.byref(integer(0)),
+        right.ctypes.data_as(ctypes.c_void_p),
+        found.ctypes.data_as(ctypes.c_void_p),
+        ctypes.byref(error),
+    )
+    return error.value
+
+
 @final
 class _Call:
     """PARDISO's memory for one matrix, released with this object."""
@@ -101,62 +138,17 @@ class _Call:
         self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32) + 1
         self._order = np.zeros(0, dtype=np.int32)
         self._nothing = np.zeros(self._n)
-        weakref.finalize(self, _Call._call, *self._arguments(), _RELEASE, self._nothing, self._nothing)
+        self._matrix = (self._values, self._starts, self._columns, self._order)
+        # Not bound to this object: the memory is released after it is gone.
+        weakref.finalize(self, _call, self._handle(), _RELEASE, self._nothing, self._nothing)
 
-    def _arguments(self) -> tuple[Any, ...]:
-        """What a call needs, apart from this object: the memory is released after it is gone."""
-        return (
-            self._function,
-            self._pointer_type,
-            self._pointers,
-            self._settings,
-            (self._kind, self._n),
-            (self._values, self._starts, self._columns, self._order),
-        )
-
-    @staticmethod
-    def _call(
-        function: Any,
-        pointer_type: Any,
-        pointers: Any,
-        settings: Any,
-        sizes: tuple[int, int],
-        matrix: tuple[Any, ...],
-        phase: int,
-        right: Array,
-        found: Array,
-    ) -> int:
-        integer, integers = ctypes.c_int32, ctypes.POINTER(ctypes.c_int32)
-        one, error = integer(1), integer(0)
-        kind, n = sizes
-        values, starts, columns, order = matrix
-        function(
-            pointers.ctypes.data_as(ctypes.POINTER(pointer_type)),
-            ctypes.byref(one),
-            ctypes.byref(one),
-            ctypes.byref(integer(kind)),
-            ctypes.byref(integer(phase)),
-            ctypes.byref(integer(n)),
-            values.ctypes.data_as(ctypes.c_void_p),
-            starts.ctypes.data_as(integers),
-            columns.ctypes.data_as(integers),
-            order.ctypes.data_as(integers),
-            ctypes.byref(one),
-            settings.ctypes.data_as(integers),
-            ctypes.byref(integer(0)),
-            right.ctypes.data_as(ctypes.c_void_p),
-            found.ctypes.data_as(ctypes.c_void_p),
-            ctypes.byref(error),
-        )
-        return error.value
+    def _handle(self) -> _Handle:
+        sizes = (self._kind, self._n)
+        return _Handle(self._function, self._pointer_type, self._pointers, self._settings, sizes, self._matrix)
 
     def run(self, phase: int, right: Array | None = None, found: Array | None = None) -> None:
-        error = _Call._call(
-            *self._arguments(),
-            phase,
-            self._nothing if right is None else right,
-            self._nothing if found is None else found,
-        )
+        nothing = self._nothing
+        error = _call(self._handle(), phase, nothing if right is None else right, nothing if found is None else found)
         if error in (-4, -7):  # zero pivot; singular diagonal
             raise SingularMatrix
         if error:

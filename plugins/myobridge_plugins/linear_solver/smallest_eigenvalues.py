@@ -62,8 +62,10 @@ def judged(system: LinearSystem, cycle: Any) -> Inertia | None:
         right = pulled(block)
         return project(np.column_stack([cycle @ column for column in right.T]))
 
+    linear_operator: Any = sparse_linalg.LinearOperator  # its types know no matvec
+
     def operator(function: Any) -> Any:
-        return sparse_linalg.LinearOperator(
+        return linear_operator(
             (n, n), matvec=lambda x: function(x.reshape(n, 1)).ravel(), matmat=function, dtype=np.float64
         )
 
