@@ -48,10 +48,9 @@ class FieldRecorder:
         self.mesh = None if names == () else simulation.solid.visible_mesh()
         self.snapshots: list[FieldSnapshot] = []
 
-    def resume(self, snapshots: Sequence[FieldSnapshot], steps: int) -> None:
-        """Take over the states of an earlier run, as far as a run that never stopped would have them."""
-        gap = stride(steps, self.every)
-        self.snapshots = [state for state in snapshots if state.step % gap == 0]
+    def resume(self, snapshots: Sequence[FieldSnapshot]) -> None:
+        """Take over the states of an earlier run; one that only its end has kept goes with the next that is due."""
+        self.snapshots = list(snapshots)
 
     def observe(self, simulation: Simulation, *, last: bool = False) -> None:
         """Keep the state if it is due."""

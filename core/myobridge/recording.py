@@ -198,7 +198,7 @@ class Recorder:
         simulation: Simulation,
     ) -> None:
         """Take over the rows and states of an earlier run, as far as a run that never stopped would have them."""
-        self.body.resume(fields, simulation.steps)
+        self.body.resume(fields)
         # The last row of an interrupted run may lie between two regular ones.
         extra = series["time"][-1] == simulation.time and simulation.steps % self.record.every != 0
         self._rows = {name: _Rows.of(rows[:-1] if extra else rows) for name, rows in series.items()}

@@ -243,10 +243,10 @@ def nodes_of() -> Mapping[str, list[list[int]]]:
 def bending() -> Callable[..., Bending]:
     """Body of a kind of cells: ``bending("tetra10", counts=(4, 2, 2), size=(0.1, 0.02, 0.02), bend=2.0)``."""
 
-    def make(kind: str, counts=None, size=None, **options: Any) -> Bending:
+    def make(kind: str, counts=None, size=None, mesh: VisibleMesh | None = None, **options: Any) -> Bending:
         deep = kind.startswith(("tetra", "hexahedron"))
-        mesh = block(kind, counts or (4, 2, 2 if deep else 0), size or (0.1, 0.02, 0.02 if deep else 0.0))
-        return Bending(mesh=mesh, **options)
+        found = mesh or block(kind, counts or (4, 2, 2 if deep else 0), size or (0.1, 0.02, 0.02 if deep else 0.0))
+        return Bending(mesh=found, **options)
 
     return make
 

@@ -306,14 +306,13 @@ def test_a_finite_element_muscle_is_read_by_vtk(shape: str, size, cells, kind: s
 
 def test_a_finite_element_muscle_resumes_with_its_states(tmp_path: Path) -> None:
     text = MUSCLE.format(shape="triangle", size=[0.04, 0.02], cells=[2, 1])
-    text = text.replace('name = "muscle"', 'name = "muscle"\nduration = 0.05\nstep = 1e-3').partition("[continuation]")[
-        0
-    ]
+    text = text.replace('name = "muscle"', 'name = "muscle"\nduration = 0.01\nstep = 1e-3')
+    text = text.partition("[continuation]")[0] + "[record]\nfields_every = 3\n"
     scene = mb.Scene.from_toml(text.replace('plugin = "prescribed"', 'plugin = "distributed_moment"'))
     whole = mb.run(scene)
-    start(Plan.of(scene), tmp_path / "part.h5").to(scene.duration, until=0.023)
-    assert len(mb.Result.load(tmp_path / "part.h5").fields) == 24
+    start(Plan.of(scene), tmp_path / "part.h5").to(scene.duration, until=0.005)
+    assert [state.step for state in mb.Result.load(tmp_path / "part.h5").fields] == [0, 3, 5]
     continued, again = mb.resume(tmp_path / "part.h5")
     assert_same_states(continued.to(again.duration), whole)
-    assert [state.step for state in whole.fields] == list(range(0, 51, 2))
+    assert [state.step for state in whole.fields] == [0, 3, 6, 9, 10]
     assert np.ptp([state["stretch"].mean() for state in whole.fields]) > 1e-3, "it must have moved"
