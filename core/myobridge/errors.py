@@ -34,7 +34,7 @@ class StepFailed(MyobridgeError):
 
 
 class ContinuationFailed(MyobridgeError):
-    """A path of equilibria ended early; what was found before is kept, and `result` holds it (None where there is nothing)."""
+    """A path of equilibria ended early; `result` holds what was found before, None where there is nothing."""
 
     result: Any = None
 
