@@ -7,7 +7,6 @@ from typing import final
 
 import attrs
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import dawsn, erf, erfcx
 
 from myobridge.interfaces import Array
@@ -112,4 +111,6 @@ class Rates:
 
     def fastest_shortening(self) -> float:
         """Speed of unloaded shortening v_max > 0 [1/s], where Q1 vanishes; 106.65 for the default rates."""
+        from scipy.optimize import brentq  # it takes longer to import than all the rest
+
         return float(brentq(lambda v: self.steady_moments(-v)[1], 1e-3 * self.f1, 1e3 * (self.f1 + self.g2)))  # pyright: ignore[reportArgumentType]

@@ -16,6 +16,8 @@ from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
 __all__ = ["Assembly", "Kinematics", "Sums", "at_rest"]
 
 _NONE = np.empty(0)
+# Below this number of cells a second thread costs more to wake than it saves.
+_SMALL = 1000
 
 
 class Kinematics(NamedTuple):
@@ -193,6 +195,8 @@ class Assembly:
 
         config: Any = numba.config  # pyright: ignore[reportPrivateImportUsage]
         wanted = min(self.threads or config.NUMBA_NUM_THREADS, config.NUMBA_NUM_THREADS)
+        if self.discretisation.n_cells < _SMALL:
+            wanted = 1
         if numba.get_num_threads() != wanted:
             numba.set_num_threads(wanted)
 
