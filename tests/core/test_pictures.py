@@ -87,3 +87,26 @@ def test_density_is_that_of_the_site_that_moved_most_where_heads_are(scenes) -> 
 def test_nothing_to_draw_is_said(scenes, tmp_path) -> None:
     with pytest.raises(mb.MyobridgeError, match=r"no series to draw; record some"):
         draw(run(scenes["clamp"], record__quantities=[]), tmp_path / "picture.png")
+
+
+def test_a_summary_is_a_line_in_a_band(drawn, moving) -> None:
+    result = moving("quad", {"quantities": ["summary"]}, counts=(5, 3, 0)).to(0.5)
+    axes = drawn(result)
+    assert list(axes) == ["stretch [-]", "tension [kPa]", "activation [-]"]
+    axis = axes["stretch [-]"]
+    assert [text.get_text() for text in axis.get_legend().get_texts()] == ["least to largest", "mean"]
+    assert (axis.lines[0].get_ydata() == result["mean/stretch"]).all()
+    band = axis.collections[0].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == (result["least/stretch"].min(), result["largest/stretch"].max())
+    assert list(drawn(moving("quad", {"quantities": ["summary"]}, ramp=False).to(0.1))) == [
+        "stretch [-]",
+        "tension [kPa]",
+    ]
+
+
+def test_curves_of_statics_run_along_the_scale(drawn, scenes) -> None:
+    text = scenes["chain"].replace("duration = 0.02\nstep = 1e-3\n", "").partition("[activation]")[0]
+    text = text.replace('["cross_bridges", "activation"]', '["cross_bridges"]') + '[continuation]\nplugin = "natural"\n'
+    axes = drawn(mb.run(mb.Scene.from_toml(text)))
+    assert {axis.get_xlabel() for name, axis in axes.items() if "at the end" not in name} == {"scale [-]"}
+    assert axes["tension [kPa]"].lines[0].get_xdata()[-1] == 1.0
