@@ -10,13 +10,24 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, ContinuationPath, ContinuationProblem, ContinuationStrategy, Matrix, PathPoint
-from myobridge.parameters import integer, number
-from myobridge.solvers import SingularMatrix, bordered, newton, solve
-from myobridge_plugins.continuation.equilibrium import accepted, cancelling, equilibrium, length, slope
+from myobridge.interfaces import (
+    Array,
+    ContinuationPath,
+    ContinuationProblem,
+    ContinuationStrategy,
+    NewtonMethod,
+    PathPoint,
+)
+from myobridge.parameters import integer, number, part
+from myobridge.solvers import Ordinary, SingularMatrix, UnsolvedSystem, bordered, solve
+from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, length, slope
+from myobridge_plugins.continuation.in_plane import InPlane
 from myobridge_plugins.continuation.stops import Watch, keep, next_stop
 
 __all__ = ["Arclength"]
+
+
+_ORDINARY = Ordinary(tolerance=1e-10, max_iterations=12)
 
 
 class Metric(NamedTuple):
@@ -71,10 +82,11 @@ class Arclength(ContinuationStrategy):
         Iterations that a step should take: fewer make the next one larger, more make it smaller.
     lowest : float
         Level to which the path may come back; below 0 the load is reversed, as between the limit points of a truss.
-    max_points, max_iterations : int
+    max_points : int
         Most points of a path, and Newton iterations of a step.
-    tolerance : float
-        Factor by which Newton's residual must fall.
+    newton : NewtonMethod, optional
+        Method, tolerance, iterations, linear solver; unless given the ordinary one to 1e-10 in at most 12
+        iterations.
 
     References
     ----------
@@ -93,8 +105,9 @@ class Arclength(ContinuationStrategy):
     easy: int = integer(4, within="[1, inf)", doc="iterations that a step should take")
     lowest: float = number(0.0, within="(-inf, 0]", doc="level at which a path that comes back is given up")
     max_points: int = integer(1000, within="[2, inf)", doc="most points of a path")
-    max_iterations: int = integer(12, within="[1, inf)", doc="Newton iterations of a step")
-    tolerance: float = number(1e-10, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
+    newton: NewtonMethod | None = part(
+        "newton", None, doc="Newton's method; unless given the ordinary one to 1e-10, of at most 12 iterations"
+    )
 
     def trace(
         self,
@@ -107,7 +120,7 @@ class Arclength(ContinuationStrategy):
     ) -> ContinuationPath:
         points = list(earlier)
         if not points:
-            first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
+            first = equilibrium(problem, start, 0.0, self.newton or _ORDINARY)
             if not first.converged:
                 return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
             keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
@@ -194,7 +207,7 @@ class Arclength(ContinuationStrategy):
             return trial._replace(complaint="the solution found is too far away, on another branch")
         try:
             ahead = metric.unit(_direction(problem, trial.point, metric.factors * direction))
-        except SingularMatrix:
+        except (SingularMatrix, UnsolvedSystem):
             return trial._replace(complaint="the bordered matrix is singular: branches meet here")
         turn = math.degrees(math.acos(min(max(metric.product(direction, ahead), -1.0), 1.0)))
         if not turn <= self.turn:
@@ -206,30 +219,15 @@ class Arclength(ContinuationStrategy):
         if not problem.admissible(guess[:-1]):
             return Trial(guess, row, 0.0, 0, "the step leads to a state that is not admissible")
         row = row * _load(problem, guess)
-
-        def evaluate(point: Array) -> tuple[Array, Matrix, float]:
-            unknowns, level = point[:-1], float(point[-1])
-            column = problem.level_derivative(unknowns, level)
-            residual = np.append(problem.residual(unknowns, level), row @ (point - guess))
-            tangent = problem.tangent(unknowns, level)
-            magnitude = cancelling(problem, tangent, unknowns, level)
-            return residual, bordered(tangent, column, row[:-1], float(row[-1])), magnitude
-
         with np.errstate(all="ignore"):  # far off, a trial may overflow; Newton sees it and backtracks
-            found = newton(
-                evaluate,
-                guess,
-                admissible=lambda point: problem.admissible(point[:-1]),
-                tolerance=self.tolerance,
-                max_iterations=self.max_iterations,
-            )
+            found = (self.newton or _ORDINARY).solve(InPlane(problem, guess, row), guess)
         return Trial(found.unknowns, row, 0.0, found.iterations, "" if found.converged else found.reason)
 
     def _too_small(self, points: list[PathPoint], complaint: str) -> str:
         return (
             f"{_stopped(points)}: no step along the path longer than {self.smallest:g} succeeded ({complaint}). "
             "If two branches meet here, a small imperfection (a load across, a mesh not quite straight) tells them "
-            "apart. Else try a smaller 'smallest', a larger 'turn' or more 'max_iterations'."
+            "apart. Else try a smaller 'smallest', a larger 'turn' or a 'newton' of more iterations."
         )
 
     def _returned(self, points: list[PathPoint], turns: list[float]) -> str:

@@ -6,29 +6,59 @@ r"""What all strategies ask of a problem: the equilibrium at a level, the slope 
 
 from __future__ import annotations
 
+from typing import final
+
 import numpy as np
 
-from myobridge.interfaces import Array, ContinuationProblem, LinearSystem, Matrix, PathPoint
-from myobridge.solvers import NewtonResult, SingularMatrix, UnsolvedSystem, absolute_product, newton, solve
+from myobridge.interfaces import (
+    Array,
+    ContinuationProblem,
+    LinearSystem,
+    Matrix,
+    NewtonMethod,
+    NewtonProblem,
+    NewtonResult,
+    PathPoint,
+)
+from myobridge.solvers import Ordinary, SingularMatrix, UnsolvedSystem, absolute_product, solve
 
-__all__ = ["accepted", "cancelling", "equilibrium", "length", "slope"]
+__all__ = ["AtLevel", "accepted", "cancelling", "equilibrium", "length", "slope"]
+
+
+_ORDINARY = Ordinary(tolerance=1e-10, max_iterations=20)
+# Tangents up to this size are dense and cheap.
+_SMALL = 100
+
+
+@final
+class AtLevel(NewtonProblem):
+    """Equilibrium at a fixed level, as Newton's methods see it."""
+
+    def __init__(self, problem: ContinuationProblem, level: float) -> None:
+        self._problem, self._level = problem, level
+
+    def residual(self, unknowns: Array) -> tuple[Array, float]:
+        residual = self._problem.residual(unknowns, self._level)
+        if unknowns.size > _SMALL:  # of large tangents Newton itself asks for what cancels, once it has one
+            return residual, self._problem.magnitude(unknowns, self._level)
+        tangent = self._problem.tangent(unknowns, self._level)
+        return residual, cancelling(self._problem, tangent, unknowns, self._level)
+
+    def tangent(self, unknowns: Array) -> Matrix | LinearSystem:
+        return self._problem.tangent(unknowns, self._level)
+
+    def admissible(self, unknowns: Array) -> bool:
+        return self._problem.admissible(unknowns)
 
 
 def equilibrium(
-    problem: ContinuationProblem, guess: Array, level: float, tolerance: float, max_iterations: int
+    problem: ContinuationProblem, guess: Array, level: float, method: NewtonMethod | None = None
 ) -> NewtonResult:
-    """Equilibrium at a fixed level, sought from `guess` by Newton's method."""
+    """Equilibrium at a fixed level, sought from `guess`; unless a method is given by at most 20 ordinary iterations."""
     if not problem.admissible(guess):
         return NewtonResult(guess, False, 0, "the state to start from is not admissible")
-
-    def evaluate(unknowns: Array) -> tuple[Array, Matrix | LinearSystem, float]:
-        tangent = problem.tangent(unknowns, level)
-        return problem.residual(unknowns, level), tangent, cancelling(problem, tangent, unknowns, level)
-
     with np.errstate(all="ignore"):  # far off, a trial may overflow; Newton sees it and backtracks
-        return newton(
-            evaluate, guess, admissible=problem.admissible, tolerance=tolerance, max_iterations=max_iterations
-        )
+        return (method or _ORDINARY).solve(AtLevel(problem, level), guess)
 
 
 def cancelling(problem: ContinuationProblem, tangent: Matrix | LinearSystem, unknowns: Array, level: float) -> float:

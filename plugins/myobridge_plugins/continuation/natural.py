@@ -8,8 +8,15 @@ from typing import ClassVar, final
 import attrs
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, ContinuationPath, ContinuationProblem, ContinuationStrategy, PathPoint
-from myobridge.parameters import integer, number
+from myobridge.interfaces import (
+    Array,
+    ContinuationPath,
+    ContinuationProblem,
+    ContinuationStrategy,
+    NewtonMethod,
+    PathPoint,
+)
+from myobridge.parameters import integer, number, part
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, length, slope
 from myobridge_plugins.continuation.stops import Watch, keep, next_stop
 
@@ -37,10 +44,9 @@ class Natural(ContinuationStrategy):
         Largest and smallest step of the level [-].
     easy : int
         Iterations up to which a step counts as easy.
-    max_iterations : int
-        Newton iterations at one level after which the step has failed.
-    tolerance : float
-        Factor by which Newton's residual must fall.
+    newton : NewtonMethod, optional
+        Method, tolerance, iterations, linear solver; unless given the ordinary one to 1e-10 in at most 20
+        iterations.
 
     Departures
     ----------
@@ -60,8 +66,9 @@ class Natural(ContinuationStrategy):
     step: float = number(0.1, within="(0, 1]", doc="largest step of the level")
     smallest: float = number(1e-4, within="(0, 1]", doc="smallest step of the level, at which it gives up")
     easy: int = integer(6, within="[1, inf)", doc="iterations up to which a step is easy, and the next one larger")
-    max_iterations: int = integer(20, within="[1, inf)", doc="Newton iterations at one level")
-    tolerance: float = number(1e-10, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
+    newton: NewtonMethod | None = part(
+        "newton", None, doc="Newton's method; unless given the ordinary one to 1e-10, of at most 20 iterations"
+    )
 
     def trace(
         self,
@@ -74,7 +81,7 @@ class Natural(ContinuationStrategy):
     ) -> ContinuationPath:
         points = list(earlier)
         if not points:
-            first = equilibrium(problem, start, 0.0, self.tolerance, self.max_iterations)
+            first = equilibrium(problem, start, 0.0, self.newton)
             if not first.converged:
                 return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
             keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
@@ -86,9 +93,7 @@ class Natural(ContinuationStrategy):
             stop = next_stop(points, stops)
             # A rest smaller than the smallest step is not left over.
             level = stop if here.level + step > stop - 0.5 * self.smallest else here.level + step
-            found = equilibrium(
-                problem, self._guess(problem, here, ahead, level), level, self.tolerance, self.max_iterations
-            )
+            found = equilibrium(problem, self._guess(problem, here, ahead, level), level, self.newton)
             spent += found.iterations
             reason = found.reason
             following = None
@@ -126,7 +131,7 @@ class Natural(ContinuationStrategy):
         guess = unknowns if following is None else unknowns - step * following
         if not problem.admissible(guess):
             guess = unknowns
-        back = equilibrium(problem, guess, here.level, self.tolerance, self.max_iterations)
+        back = equilibrium(problem, guess, here.level, self.newton)
         if back.converged and length(problem, back.unknowns - here.unknowns) <= _MISSED * moved:
             return back.iterations, ""
         return back.iterations, "the solution found does not lead back to the last one: it lies on another branch"
@@ -138,7 +143,7 @@ class Natural(ContinuationStrategy):
             f"found at level {level:.6g}, with steps down to {self.smallest:g} ({reason}). The last state has "
             f"{last.negative_eigenvalues} negative eigenvalues. If its stiffness is about to vanish this is a limit "
             "point: try the strategy 'arclength', which passes it, or a smaller full load. Else try a smaller "
-            "'smallest' or more 'max_iterations'."
+            "'smallest' or a 'newton' of more iterations."
         )
 
 

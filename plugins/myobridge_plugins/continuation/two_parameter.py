@@ -9,8 +9,15 @@ import attrs
 
 from myobridge.errors import ParameterError, PluginError
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, ContinuationPath, ContinuationProblem, ContinuationStrategy, PathPoint
-from myobridge.parameters import integer, number
+from myobridge.interfaces import (
+    Array,
+    ContinuationPath,
+    ContinuationProblem,
+    ContinuationStrategy,
+    NewtonMethod,
+    PathPoint,
+)
+from myobridge.parameters import integer, number, part
 from myobridge.solvers import NewtonResult
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, slope
 from myobridge_plugins.continuation.stops import Watch, keep, next_stop
@@ -39,8 +46,8 @@ class TwoParameter(ContinuationStrategy):
     level gamma is raised to 1 in the same way, and a last solution is that of the tissue itself, whatever its bulk
     modulus. Where the hardening fails although its steps were halved, the step of the level is halved.
 
-    The path is continuous in the soft tissue only. Hardened states of neighbouring levels may lie on different branches:
-    this method steps over limit points of the tissue itself, where `natural` ends and `arclength` goes round.
+    The path is continuous in the soft tissue only. Hardened states of neighbouring levels may lie on different
+    branches: this method steps over limit points of the tissue itself, where `natural` ends and `arclength` goes round.
 
     Parameters
     ----------
@@ -50,15 +57,16 @@ class TwoParameter(ContinuationStrategy):
         Largest and smallest step of the level [-].
     hardening, smallest_hardening : float
         Largest and smallest step of gamma [-].
-    easy, max_iterations : int
-        Newton iterations up to which a step is easy, and after which it has failed.
-    tolerance : float
-        Factor by which Newton's residual must fall.
+    easy : int
+        Newton iterations up to which a step is easy.
+    newton : NewtonMethod, optional
+        Method, tolerance, iterations, linear solver; unless given the ordinary one to 1e-10 in at most 20
+        iterations.
 
     Departures
     ----------
-    The thesis ends at :math:`\kappa(1)`, close to incompressible; here every accepted state is one of the tissue itself.
-    The soft tissue of the next level is reached from that of the last one, not from the hardened state.
+    The thesis ends at :math:`\kappa(1)`, close to incompressible; here every accepted state is one of the tissue
+    itself. The soft tissue of the next level is reached from that of the last one, not from the hardened state.
 
     References
     ----------
@@ -75,8 +83,9 @@ class TwoParameter(ContinuationStrategy):
     hardening: float = number(0.5, within="(0, 1]", doc="largest step of gamma")
     smallest_hardening: float = number(0.02, within="(0, 1]", doc="smallest step of gamma")
     easy: int = integer(6, within="[1, inf)", doc="iterations up to which a step is easy, and the next one larger")
-    max_iterations: int = integer(20, within="[1, inf)", doc="Newton iterations of one solution")
-    tolerance: float = number(1e-10, within="(0, 1e-3]", doc="factor by which Newton's residual must fall")
+    newton: NewtonMethod | None = part(
+        "newton", None, doc="Newton's method; unless given the ordinary one to 1e-10, of at most 20 iterations"
+    )
 
     def __attrs_post_init__(self) -> None:
         if not self.first_exponent < self.last_exponent:
@@ -138,7 +147,7 @@ class TwoParameter(ContinuationStrategy):
         return guess if softest.admissible(guess) else soft
 
     def _equilibrium(self, problem: ContinuationProblem, guess: Array, level: float) -> NewtonResult:
-        return equilibrium(problem, guess, level, self.tolerance, self.max_iterations)
+        return equilibrium(problem, guess, level, self.newton)
 
     def _pair(self, problem: ContinuationProblem, softest: ContinuationProblem, guess: Array, level: float) -> Pair:
         """Equilibrium of the softest tissue, and from there that of the tissue itself."""
