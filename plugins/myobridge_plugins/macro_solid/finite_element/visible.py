@@ -64,8 +64,9 @@ def fields(body: Body, displacement: Array, pressure: Array, kinematics: Kinemat
     found: dict[str, Any] = {"displacement": moved}
     if grid.n_multipliers:
         if body.enclosed:  # only differences mean anything: the mean is zero
-            volumes = np.bincount(grid.multipliers.ravel(), minlength=grid.n_multipliers)
-            pressure = pressure - np.average(pressure, weights=volumes)
+            levels = grid.multipliers[:, :1] if grid.cell.multiplier == "P1disc" else grid.multipliers
+            cells = np.bincount(levels.ravel(), minlength=grid.n_multipliers)
+            pressure = pressure - np.average(pressure, weights=cells) * (cells > 0)
         # Hydrostatic pressure is positive in compression, the multiplier in tension.
         found["pressure"] = -_at_nodes(body, pressure) if grid.cell.multiplier == "P1" else -_on_cells(body, pressure)
     fibre = np.stack([cell_means(body, component) for component in body.fibre], axis=1)
