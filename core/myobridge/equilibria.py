@@ -31,7 +31,7 @@ from myobridge.interfaces import (
 )
 
 if TYPE_CHECKING:
-    from myobridge.solvers import Inertia
+    pass
 
 __all__ = ["Equilibria", "SteadyTension"]
 
@@ -165,8 +165,12 @@ class Equilibria(ContinuationProblem):
         return found
 
     def negative_eigenvalues(self, unknowns: Array, level: float) -> int:
-        found = _inertia(self.system(unknowns, level))
-        return -1 if found is None else max(found.negative - self.n_constraints, 0)
+        from myobridge.solvers import InertiaUnknown, SingularMatrix, stability
+
+        try:
+            return stability(self.system(unknowns, level))
+        except (InertiaUnknown, SingularMatrix):
+            return -1
 
     def admissible(self, unknowns: Array) -> bool:
         return bool(np.all(np.isfinite(unknowns))) and self.solid.admissible(unknowns[: self.n_displacements])
@@ -201,17 +205,3 @@ class Equilibria(ContinuationProblem):
         balance = self.solid.balance(self.motion(unknowns), law, 0.0, rate=False, tangent=tangent)
         self._latest = (unknowns.copy(), level, balance)
         return balance
-
-
-def _inertia(system: LinearSystem) -> Inertia | None:
-    """Signs of the eigenvalues of a tangent; None where it is too large for the factors that would tell them."""
-    from myobridge.solvers import InertiaUnknown, SingularMatrix, choose, factorise, inertia
-
-    modes = system.rigid_motions
-    dimension = 3 if modes is not None and modes.shape[1] > 3 else 2
-    try:
-        if choose(system.n_unknowns, dimension).name == "superlu":
-            return inertia(system.matrix())
-        return factorise(system).inertia()
-    except (InertiaUnknown, SingularMatrix):
-        return None
