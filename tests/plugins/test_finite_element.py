@@ -180,8 +180,10 @@ def test_threads_change_nothing_to_the_last_bit(shape, distorted):
         p = 1e4 * np.random.default_rng(1).uniform(-1.0, 1.0, solid.rest_motion().multiplier.size)
         balance = solid.balance(Motion(u, 0.0 * u, p), tension(solid, 5e3), 0.0, tangent=True)
         found.append(
-            [balance.force, balance.constraint, balance.stiffness.data, balance.constraint_gradient.data]
-            + [np.array([solid.elastic_energy(u)])]
+            (
+                *(balance.force, balance.constraint, balance.stiffness.data, balance.constraint_gradient.data),
+                np.array([solid.elastic_energy(u)]),
+            )
         )
     for other in found[1:]:
         assert all(np.array_equal(left, right) for left, right in zip(found[0], other, strict=True))

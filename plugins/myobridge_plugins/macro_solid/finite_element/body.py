@@ -164,7 +164,7 @@ class Body:
         d = self.grid.dimension
         numbers = (d * np.unique(every.nodes)[:, None] + np.arange(d)).ravel()
         enclosed = np.isin(numbers, self.held.all_numbers).all()
-        # A constant pressure must not be zero there: of a discontinuous one the first coefficient of a cell is its level.
+        # Not one that is zero for a constant pressure: of a linear one in a cell, the first number is the level.
         return np.delete(found, self.grid.multipliers[-1, 0]) if enclosed else found
 
     @property

@@ -37,7 +37,11 @@ def balance(
     rate: bool,
     tangent: bool,
 ) -> Balance:
-    """Balance of the free numbers; a bulk modulus that is not finite keeps the volume."""
+    """Balance of the free numbers; a bulk modulus that is not finite keeps the volume.
+
+    Where the law depends on the rate, the stiffness is the derivative at a given stretch rate: that at a given velocity
+    has one more term, unsymmetric, which vanishes where fibres do not turn. Newton's method hardly misses it.
+    """
     assembly, free = body.assembly, body.free
     full, pressure = body.displacement(motion.displacement, time), body.pressure(motion.multiplier)
     tension = stiffness = sensitivity = None
