@@ -163,9 +163,11 @@ class DistributedMoment(CrossBridgeModel):
         """Isometric steady tension; the closure is homogeneous, so the overlap is a factor, exactly."""
         if self.activation_scales == "fraction":
             return IsometricLaw(activation * (self._isometric[1] / self._unit), self.overlap)
-        moments = np.empty((activation.size, 3))
-        steady(np.ascontiguousarray(activation), self._rates, moments)
-        return IsometricLaw(moments[:, 1] / self._unit, self.overlap)
+        # Each is found by iteration, and sites mostly share their activation.
+        distinct, where = np.unique(activation, return_inverse=True)
+        moments = np.empty((distinct.size, 3))
+        steady(distinct, self._rates, moments)
+        return IsometricLaw(moments[where, 1] / self._unit, self.overlap)
 
     def moments(self, state: Array) -> Array:
         return state.copy()
