@@ -201,6 +201,8 @@ def test_the_choice_and_its_reason() -> None:
     assert choose(50_000, 3, alone, structured=False).name == "superlu"
     assert choose(50_000, 3, alone | {"pardiso"}).name == "pardiso"
     assert choose(500, 3, alone | {"pardiso"}).name == "superlu"
+    assert choose(200_000, 3, alone | {"pardiso"}).name == "amg_gmres"
+    assert choose(200_000, 3, alone | {"mumps"}, structured=False).name == "mumps"
     assert "50000 unknowns in 3D" in choose(50_000, 3, alone).reason
     assert "pypardiso is installed" in choose(50_000, 3, alone | {"pardiso"}).reason
 

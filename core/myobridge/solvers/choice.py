@@ -18,6 +18,8 @@ __all__ = ["Automatic", "Choice", "choice_for", "choose", "factorise"]
 _DENSE = 120
 # Unknowns above which MUMPS and PARDISO, where present, win over SuperLU.
 _SMALL = 2_000
+# Unknowns beyond which the factors of any solver take more than 8 GB.
+_FACTORS = {2: 2_000_000, 3: 120_000}
 # Unknowns up to which SuperLU wins over AMG-GMRES, in the plane and in space.
 _SUPERLU = {2: 250_000, 3: 8_000}
 
@@ -47,8 +49,8 @@ def choose(
     """
     present = _available() if available is None else available
     size = f"{n_unknowns} unknowns in {dimension}D"
-    if n_unknowns > _SMALL:
-        for name, package in (("mumps", "python-mumps"), ("pardiso", "pypardiso")):
+    if _SMALL < n_unknowns <= _FACTORS[dimension] or not structured:
+        for name, package in (("pardiso", "pypardiso"), ("mumps", "python-mumps")):
             if name in present:
                 return Choice(name, f"{size}, and {package} is installed")
     limit = _SUPERLU[dimension]
