@@ -81,7 +81,7 @@ def close(found, expected, relative):
 
 
 def turning(solid, motion, du):
-    """What the stiffness leaves out: force that comes of the change of the rate, at a given velocity, as fibres turn."""
+    """What the stiffness leaves out: how the rate at a given velocity changes as fibres turn, as a force."""
     u, v = motion.displacement, motion.velocity
     changes = difference(lambda x: solid.stretch_rate(x, v, 0.5), u, du, 2e-7)
     stretch = solid.stretch(u, 0.5)
