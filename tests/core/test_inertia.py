@@ -97,6 +97,26 @@ def test_random_dense_saddles(seed: int, n: int, data: st.DataObject) -> None:
     assert inertia(matrix) == (m, 0, n)
 
 
+@pytest.mark.parametrize(("shift", "unstable"), [(0.0, False), (-0.5, True)])
+def test_one_factorisation_proves_a_stable_saddle(monkeypatch, shift: float, unstable: bool) -> None:
+    """With the constraints named: one count where the state is stable, more where it is not, the same answer always."""
+    rng = np.random.default_rng(1)
+    n, n_constraints = 300, 40
+    line = sparse.diags_array([-np.ones(n - 1), np.full(n, 2.0), -np.ones(n - 1)], offsets=[-1, 0, 1])
+    gradient = sparse.random_array((n_constraints, n), density=0.02, rng=rng) + sparse.eye_array(n_constraints, n)
+    blocks = [[line + shift * sparse.eye_array(n), gradient.T], [gradient, None]]
+    saddle = sparse.block_array(blocks, format="csc")
+    counts: list[int] = []
+    module = importlib.import_module("myobridge.solvers.inertia")
+    count = module._count
+    monkeypatch.setattr(module, "_count", lambda *given: counts.append(1) or count(*given))
+    found = inertia(saddle, n_constraints)
+    eigenvalues = np.linalg.eigvalsh(saddle.toarray())
+    assert found.negative == np.sum(eigenvalues < 0.0)
+    assert (found.negative > n_constraints) == unstable
+    assert (len(counts) == 1) != unstable
+
+
 @pytest.mark.parametrize("form", [np.asarray, sparse.csc_array])
 def test_an_eigenvalue_that_is_zero_counts_as_zero(form) -> None:
     free = np.array([[1.0, -1.0], [-1.0, 1.0]])

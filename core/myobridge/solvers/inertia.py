@@ -14,7 +14,8 @@ where they differ, the eigenvalues between are zero to within the shift. Lanczos
 may miss an eigenvalue.
 
 The matrix is first scaled by a congruence :math:`D A D`, exact because `D` holds powers of two: it keeps the inertia
-and lets displacements [m] and pressures [Pa] stand side by side. Cost: two factorisations, six in the worst case.
+and lets displacements [m] and pressures [Pa] stand side by side. Cost: two factorisations, one for a stable state with
+constraints, seven in the worst case.
 
 References
 ----------
@@ -52,7 +53,7 @@ class Inertia(NamedTuple):
     positive: int
 
 
-def inertia(matrix: Matrix) -> Inertia:
+def inertia(matrix: Matrix, constraints: int = 0) -> Inertia:
     r"""Signs of the eigenvalues of the symmetric part of a matrix, dense or sparse.
 
     An equilibrium is stable where its stiffness has no negative eigenvalue. The saddle matrix ``[[A, B], [B^T, -C]]``
@@ -67,6 +68,9 @@ def inertia(matrix: Matrix) -> Inertia:
     ----------
     matrix : ndarray or sparse array, shape (n, n)
         Any unit.
+    constraints : int
+        Rows at the end that are constraints of full rank: there are at least as many negative eigenvalues, so that one
+        factorisation proves a stable state.
 
     Returns
     -------
@@ -87,12 +91,17 @@ def inertia(matrix: Matrix) -> Inertia:
     if whole.shape[0] <= _DENSE:
         return _of_dense(whole.toarray())
     scaled = _scaled_sparse(sparse.csc_array(0.5 * (whole + whole.T)))
-    order = None
-    for _ in range(2):  # the second time with rows of small diagonal behind all their neighbours
+    if constraints:
+        order = _small_diagonals_late(scaled)
+        if _at_most(scaled, order) == constraints:
+            return Inertia(constraints, 0, scaled.shape[0] - constraints)
+        orders = [order, None]
+    else:
+        orders = [None, _small_diagonals_late(scaled)]
+    for order in orders:  # rows of small diagonal behind all their neighbours, or an order of less fill
         found = _between_bounds(scaled, order)
         if found is not None:
             return found
-        order = _small_diagonals_late(scaled)
     if scaled.shape[0] <= _LARGEST_COPY:
         return _of_dense(scaled.toarray())
     raise InertiaUnknown(
@@ -148,6 +157,13 @@ def _between_bounds(scaled: Any, order: np.ndarray | None) -> Inertia | None:
             return Inertia(up[0], down[0] - up[0], n - down[0])
         shift = 2.0 * error
     return None
+
+
+def _at_most(scaled: Any, order: np.ndarray | None) -> int | None:
+    """Upper bound of the number of negative eigenvalues, from one factorisation; None without."""
+    shift = 16.0 * scaled.shape[0] * _EPS * float(abs(scaled).sum(axis=0).max())
+    down = _count(scaled, -shift, order)
+    return down[0] if down is not None and down[1] <= shift else None
 
 
 def _count(scaled: Any, shift: float, order: np.ndarray | None) -> tuple[int, float] | None:

@@ -49,7 +49,7 @@ def stability(system: LinearSystem, factorisation: Factorisation | None = None) 
 def _proven(system: LinearSystem) -> Inertia | None:
     """Inertia by proof; where the factors grow too much for one, by the solver that looks for unstable directions."""
     try:
-        return inertia(system.matrix())
+        return inertia(system.matrix(), system.n_constraints)
     except InertiaUnknown:
         if system.rigid_motions is None:
             raise
