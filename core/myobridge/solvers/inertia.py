@@ -160,10 +160,15 @@ def _between_bounds(scaled: Any, order: np.ndarray | None) -> Inertia | None:
 
 
 def _at_most(scaled: Any, order: np.ndarray | None) -> int | None:
-    """Upper bound of the number of negative eigenvalues, from one factorisation; None without."""
-    shift = 16.0 * scaled.shape[0] * _EPS * float(abs(scaled).sum(axis=0).max())
-    down = _count(scaled, -shift, order)
-    return down[0] if down is not None and down[1] <= shift else None
+    """Upper bound of the number of negative eigenvalues, mostly from one factorisation; None without."""
+    norm = float(abs(scaled).sum(axis=0).max())
+    shift = 64.0 * scaled.shape[0] * _EPS * norm
+    while shift <= _WIDEST * norm:
+        down = _count(scaled, -shift, order)
+        if down is None or down[1] <= shift:
+            return None if down is None else down[0]
+        shift = 2.0 * down[1]
+    return None
 
 
 def _count(scaled: Any, shift: float, order: np.ndarray | None) -> tuple[int, float] | None:
