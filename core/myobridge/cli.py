@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import logging
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -61,6 +63,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--resume", type=Path, metavar="FILE", help="continue a result file")
     run.add_argument("--until", type=float, metavar="T", help="stop at time T [s], to be resumed later")
     _add_settings(run)
+    run.add_argument("-v", "--verbose", action="store_true", help="print every iteration of Newton's method")
     run.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     run.set_defaults(command=_run)
 
@@ -138,13 +141,30 @@ def _run(options: argparse.Namespace) -> int:
         scene = Scene.load(options.scene, settings)
         plan = Plan.of(scene)
         run = start(plan, options.output or Path(options.scene.stem + ".h5"))
-    if isinstance(run, StaticRun):
-        if options.until is not None:
-            raise SceneError(f"--until {options.until:g}: the scene has no time; set continuation.to instead")
-        follow_path(run, plan, quiet=options.quiet)
-    else:
-        follow(run, plan, until=options.until, quiet=options.quiet)
+    if isinstance(run, StaticRun) and options.until is not None:
+        raise SceneError(f"--until {options.until:g}: the scene has no time; set continuation.to instead")
+    with _iterations_printed(options.verbose):
+        if isinstance(run, StaticRun):
+            follow_path(run, plan, quiet=options.quiet)
+        else:
+            follow(run, plan, until=options.until, quiet=options.quiet)
     return 0
+
+
+@contextlib.contextmanager
+def _iterations_printed(wanted: bool) -> Iterator[None]:
+    """Print what Newton's methods log, where wanted."""
+    log = logging.getLogger("myobridge.newton")
+    handler, level = logging.StreamHandler(sys.stdout), log.level
+    handler.setFormatter(logging.Formatter("  newton: %(message)s"))
+    if wanted:
+        log.addHandler(handler)
+        log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
 
 
 def _explain(options: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.static_run import StaticRun, UnstableEquilibrium
 from myobridge.statics import Statics
-from myobridge.tables import effects_table, settings_table, written
+from myobridge.tables import effects_table, settings_table, solver_choice, written
 
 __all__ = ["follow_path", "path_table"]
 
@@ -25,6 +25,8 @@ def follow_path(run: StaticRun, plan: Plan, *, quiet: bool = False) -> Result:
     console = Console(quiet=quiet)
     console.print(settings_table(plan))
     console.print(effects_table(plan))
+    if chosen := solver_choice(plan):
+        console.print(f"linear solver: {chosen}", markup=False, highlight=False)
     if run.finished:
         console.print("the path is complete already", markup=False)
     started = perf_counter()

@@ -30,6 +30,7 @@ __all__ = [
     "settings_table",
     "shares_table",
     "sizes_table",
+    "solver_choice",
     "written",
 ]
 
@@ -82,6 +83,21 @@ def effects_table(plan: Plan) -> Table:
     return table
 
 
+def solver_choice(plan: Plan) -> str:
+    """The linear solver of a plan and the reason for it; empty where nothing is solved."""
+    from myobridge.solvers import choice_of
+
+    solid = plan.parts["solid"]
+    method = plan.parts.get("continuation") or plan.parts.get("integrator")
+    if solid.n_unknowns == 0 or getattr(method, "explicit", False):
+        return ""
+    given = getattr(getattr(method, "newton", None), "linear", None)
+    if given is not None:
+        return f"{type(given).__name__}, as the scene says"
+    name, reason = choice_of(solid)
+    return f"{name} ({reason})"
+
+
 def sizes_table(plan: Plan) -> Table:
     """How large a simulation is: unknowns, sites, memory, steps."""
     table = Table(title="sizes", title_justify="left")
@@ -89,6 +105,7 @@ def sizes_table(plan: Plan) -> Table:
         table.add_column(column)
     solid, model = plan.parts["solid"], plan.parts.get("cross_bridges")
     table.add_row("solid", f"{solid.n_unknowns:,} unknowns, {solid.n_sites:,} sites")
+    table.add_row("linear solver", solver_choice(plan) or "none: nothing to solve")
     if model is None:
         table.add_row("population", "none: no cross-bridges called for")
     elif plan.scaling is not None:

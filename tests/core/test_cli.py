@@ -40,6 +40,47 @@ def test_run_prints_settings_effects_ledger_times_and_writes_the_file(cli, write
     assert re.search(r"gravity +│ off +│ not called for", out)
 
 
+BODY = """
+[scene]
+name = "block"
+effects = ["incompressibility"]
+[continuation]
+plugin = "natural"
+step = 0.5
+[solid]
+plugin = "finite_element"
+mesh = { plugin = "block", size = [0.04, 0.01], cells = [4, 1] }
+material = "neo_hooke"
+[[support]]
+boundary = "left"
+[[load]]
+plugin = "traction"
+boundary = "right"
+traction = [1e4, 0.0]
+"""
+
+
+def test_the_linear_solver_and_its_reason_are_printed(cli, write) -> None:
+    _, explained, _ = cli("explain", write(BODY))
+    assert re.search(r"linear solver +│ dense \(\d+ unknowns\)", explained)
+    finer = ("--set", "solid.mesh.cells=[16, 4]")
+    _, out, _ = cli("run", write(BODY), *finer)
+    assert re.search(r"linear solver: superlu \(\d+ unknowns in 2D, direct up to \d+\)", out)
+    given = ("--set", "continuation.newton.plugin=inexact", "--set", "continuation.newton.linear=amg_gmres")
+    _, out, _ = cli("run", write(BODY), *finer, *given)
+    assert "linear solver: AmgGmres, as the scene says" in out
+
+
+def test_verbose_prints_every_iteration(cli, write) -> None:
+    _, quiet, _ = cli("run", write(BODY))
+    assert "newton:" not in quiet
+    _, out, _ = cli("run", write(BODY), "-v")
+    found = re.findall(r"newton: iteration (\d+): residual ([\d.e+-]+) -> ([\d.e+-]+), step 1", out)
+    spent = sum(int(n) for n in re.findall(r"scale .*: (\d+) iterations", out))
+    assert len(found) == spent > 2
+    assert all(float(after) < float(before) for _, before, after in found)
+
+
 def test_quiet_prints_nothing(cli, write, scenes, tmp_path: Path) -> None:
     assert cli("run", write(scenes["clamp"]), "-q", "-o", "quiet.h5") == (0, "", "")
     assert (tmp_path / "quiet.h5").is_file()

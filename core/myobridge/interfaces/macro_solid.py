@@ -174,11 +174,11 @@ class MacroSolid(ABC):
         return np.zeros(self.n_unknowns)
 
     def external_stiffness(self, displacement: Array, time: float) -> Matrix | None:
-        """Minus d external force / d displacement [N/m], the share of it in `Balance.stiffness`; None for dead loads."""
+        """Minus d external force / d displacement [N/m], its share of `Balance.stiffness`; None for dead loads."""
         return None
 
     def supported_load(self, time: float) -> Mapping[str, Array]:
-        """External force on what a support holds [N], by the support's name: it is in `reactions`, and in no balance."""
+        """External force on what a support holds [N], by its name: it is in `reactions`, and in no balance."""
         return {}
 
     def softened(self, bulk_modulus: float) -> MacroSolid | None:

@@ -1,7 +1,7 @@
 """Solvers: Newton and linear algebra, a public service that integrators and continuation share."""
 
 from myobridge.interfaces import NewtonResult
-from myobridge.solvers.choice import Automatic, Choice, choice_for, choose, factorise
+from myobridge.solvers.choice import Automatic, Choice, choice_for, choice_of, choose, factorise
 from myobridge.solvers.explicit import acceleration
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
 from myobridge.solvers.linear import (
@@ -33,6 +33,7 @@ __all__ = [
     "add_scaled",
     "bordered",
     "choice_for",
+    "choice_of",
     "choose",
     "effective_mass",
     "factorise",

@@ -8,11 +8,11 @@ import attrs
 import numpy as np
 
 from myobridge.errors import PluginError
-from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, Matrix
+from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, MacroSolid, Matrix
 from myobridge.solvers.dense import DenseFactorisation
 from myobridge.solvers.inertia import Inertia
 
-__all__ = ["Automatic", "Choice", "choice_for", "choose", "factorise"]
+__all__ = ["Automatic", "Choice", "choice_for", "choice_of", "choose", "factorise"]
 
 # Below this size LAPACK on the whole matrix costs less than any analysis of its pattern.
 _DENSE = 120
@@ -68,6 +68,17 @@ def choice_for(system: LinearSystem) -> Choice:
     if n <= _DENSE or whole:
         return Choice("dense", f"{n} unknowns" + (", all coupled" if n > _DENSE else ""))
     return choose(n, _dimension(system), structured=system.rigid_motions is not None)
+
+
+def choice_of(solid: MacroSolid) -> Choice:
+    """The solver for the tangents of a solid, before there is one."""
+    n = solid.n_unknowns + solid.rest_motion().multiplier.size
+    motions = solid.rigid_motions()
+    if n <= _DENSE:
+        return Choice("dense", f"{n} unknowns")
+    if motions is None:
+        return choose(n, 2, structured=False)
+    return choose(n, 3 if motions.shape[1] > 3 else 2)
 
 
 @final

@@ -8,6 +8,7 @@ it has grown out of all proportion.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from typing import ClassVar, final
@@ -33,6 +34,7 @@ from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_pr
 
 __all__ = ["Correction", "Ordinary", "is_round_off", "iterate", "newton"]
 
+_LOG = logging.getLogger("myobridge.newton")
 _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 # The relative residual of the linear systems, where the solver iterates: small enough that nobody sees the difference.
 _LINEAR = 1e-8
@@ -99,6 +101,10 @@ def iterate(
             reason = "no admissible point along Newton's direction"
             return NewtonResult(unknowns, False, iteration + 1, reason, tuple(history))
         history.append(NewtonStep(before, fraction, inner, renewed))
+        if _LOG.isEnabledFor(logging.INFO):
+            said = f", {inner} linear iterations" if inner else ""
+            said += "" if renewed else ", tangent kept"
+            _LOG.info("iteration %d: residual %.2e -> %.2e, step %g%s", iteration + 1, before, size, fraction, said)
         unknowns = candidate
         if fraction == 1.0 and renewed and _size(change) <= _ROUND_OFF * _size(unknowns):
             return NewtonResult(unknowns, True, iteration + 1, "", tuple(history))
