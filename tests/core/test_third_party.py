@@ -82,14 +82,27 @@ def test_it_is_listed_with_package_and_version(installed, tmp_path: Path) -> Non
     assert (row["package"], row["version"], row["family"]) == ("rubber-heads", "3.1.4", "cross_bridge")
     assert row["description"] == "heads that never let go"
     assert row["effects"] == ["cross_bridges", "slip"]
-    assert "delayed" in {row["name"] for row in rows if row["family"] == "signal"}
+    named = {(row["family"], row["name"]) for row in rows if row["package"] == "rubber-heads"}
+    assert named == {("cross_bridge", "rubber"), ("signal", "delayed"), ("material", "gent"), ("mesh", "wedge")}
     assert {row["package"] for row in rows} == {"myobridge", "rubber-heads"}
 
 
-def test_its_author_tests_it_with_the_same_kit(installed, source, tmp_path: Path) -> None:
+def test_a_body_is_made_of_the_material_of_a_stranger(installed, source, tmp_path: Path) -> None:
     _, environment = installed
-    shutil.copy(source / "test_rubber.py", tmp_path)
-    out = python(["-m", "pytest", "-q", "-p", "no:cacheprovider", "test_rubber.py"], environment, tmp_path)
+    shutil.copy(source / "gent.toml", tmp_path)
+    python(["-m", "myobridge.cli", "run", "gent.toml"], environment, tmp_path)
+    result = mb.Result.load(tmp_path / "gent.h5")
+    # Plane strain, volume kept: I1 - 3 = (s - 1/s)^2, and the nominal stress is mu g (s - 1/s^3).
+    s = result["stretch"][-1]
+    assert s.min() > 1.4
+    np.testing.assert_allclose(1e5 * 2.0 / (2.0 - (s - 1.0 / s) ** 2) * (s - s**-3), 3e5, rtol=1e-9)
+
+
+@pytest.mark.parametrize("page", ["test_rubber.py", "test_gent.py"])
+def test_its_author_tests_it_with_the_same_kit(page, installed, source, tmp_path: Path) -> None:
+    _, environment = installed
+    shutil.copy(source / page, tmp_path)
+    out = python(["-m", "pytest", "-q", "-p", "no:cacheprovider", page], environment, tmp_path)
     assert " passed" in out
     assert "failed" not in out
 
