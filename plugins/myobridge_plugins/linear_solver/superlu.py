@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Factorisation, LinearSolver, LinearSystem
+from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem
 from myobridge.parameters import number
 from myobridge.solvers import SingularMatrix
 from myobridge_plugins.linear_solver.direct import DirectFactorisation
@@ -49,14 +49,64 @@ class SuperLU(LinearSolver):
         matrix: Any = sparse.csc_array(system.matrix())
         if not np.all(np.isfinite(matrix.data)):
             raise SingularMatrix
+        order = _cellwise_order(system)
+        rule = "MMD_AT_PLUS_A" if order is None else "NATURAL"
+        ordered = matrix if order is None else sparse.csc_array(matrix[order][:, order])
         try:
             factors = sparse_linalg.splu(
-                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=self.pivot, options={"SymmetricMode": True}
+                ordered, permc_spec=rule, diag_pivot_thresh=self.pivot, options={"SymmetricMode": True}
             )
         except RuntimeError:  # SuperLU's word for a pivot that is zero
             raise SingularMatrix from None
+
+        def inverse(vector: Array) -> Array:
+            if order is None:
+                return factors.solve(vector)
+            found = np.empty_like(vector)
+            found[order] = factors.solve(vector[order])
+            return found
+
         text = f"superlu, {matrix.shape[0]} unknowns, {factors.nnz / 1e6:.3g} million entries in the factors"
-        return DirectFactorisation(matrix, factors.solve, text)
+        return DirectFactorisation(matrix, inverse, text)
+
+
+def _cellwise_order(system: LinearSystem) -> np.ndarray | None:
+    """Minimum degree of the stiffness, and each multiplier right after its last neighbour; None where that is no gain.
+
+    It is one where the pressure lives in each cell alone, so that neighbours of a multiplier are neighbours of each
+    other: then it fills in nothing, no pivot is zero when its turn comes, and none leaves the diagonal. Minimum degree
+    on the whole matrix takes the multipliers too early: of Q2-P1disc the factors are seven times larger on 16 x 16
+    cells, and ever more on finer meshes.
+    """
+    import scipy.sparse as sparse
+    import scipy.sparse.linalg as sparse_linalg
+
+    if system.gradient is None or isinstance(system.stiffness, np.ndarray):
+        return None
+    gradient = sparse.csr_array(system.gradient)
+    lengths = np.diff(gradient.indptr)
+    local = gradient[lengths <= 4.0 * np.median(lengths)]  # not the row that a border adds
+    pattern = _ones(sparse.csc_array(system.stiffness))
+    together = _ones(local).T @ _ones(local)
+    if (pattern + together).nnz > pattern.nnz:
+        return None
+    n = pattern.shape[0]
+    definite = pattern + sparse.diags_array(pattern.sum(axis=0) + 1.0, format="csc")
+    places = np.empty(system.n_unknowns)
+    places[:n] = sparse_linalg.splu(
+        definite, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    ).perm_c
+    last = np.zeros(system.n_constraints)
+    np.maximum.at(last, np.repeat(np.arange(last.size), lengths), places[gradient.indices])
+    places[n:] = last + 0.5
+    return np.argsort(places, kind="stable")
+
+
+def _ones(matrix: Any) -> Any:
+    """The pattern of a sparse matrix, every stored entry 1."""
+    found = matrix.copy()
+    found.data = np.ones_like(found.data)
+    return found
 
 
 @hookimpl
