@@ -105,6 +105,8 @@ def sizes_table(plan: Plan) -> Table:
         table.add_column(column)
     solid, model = plan.parts["solid"], plan.parts.get("cross_bridges")
     table.add_row("solid", f"{solid.n_unknowns:,} unknowns, {solid.n_sites:,} sites")
+    if solid.memory():
+        table.add_row("tables of the solid", f"{_bytes(solid.memory())}, the data of its tangent included")
     table.add_row("linear solver", solver_choice(plan) or "none: nothing to solve")
     if model is None:
         table.add_row("population", "none: no cross-bridges called for")

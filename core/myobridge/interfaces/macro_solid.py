@@ -234,6 +234,10 @@ class MacroSolid(ABC):
         """Translations and rotations restricted to the unknowns, (n_unknowns, k); None where no solver needs them."""
         return None
 
+    def memory(self) -> int:
+        """Bytes of the tables that a large solid keeps, the data of its tangent included; 0 where they do not matter."""
+        return 0
+
     def visible_mesh(self) -> VisibleMesh | None:
         """Mesh for pictures and files; None for a solid without a shape."""
         return None
