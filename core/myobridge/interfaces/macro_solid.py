@@ -235,7 +235,7 @@ class MacroSolid(ABC):
         return None
 
     def memory(self) -> int:
-        """Bytes of the tables that a large solid keeps, the data of its tangent included; 0 where they do not matter."""
+        """Bytes of the tables that a large solid keeps, its tangent included; 0 where they do not matter."""
         return 0
 
     def visible_mesh(self) -> VisibleMesh | None:
