@@ -31,7 +31,7 @@ class Kinematics(NamedTuple):
 class Sums(NamedTuple):
     """What one assembly gives: force [N], constraint [m^3], data of the tangents, the largest stress [Pa].
 
-    The data of the tangents are overwritten by the next assembly: take their free part at once.
+    The data of the tangents are those of the free rows of the pattern, and the caller's to keep.
     """
 
     force: Array
@@ -97,14 +97,14 @@ class Assembly:
             constants = np.ascontiguousarray(material.constants, dtype=np.float64)
             self._regions.append(_Region(material, constants, blocks, colours, batches))
         self._zeros = np.zeros(discretisation.n_points)
-        self._scratch: dict[str, Array] = {}
 
     def memory(self) -> int:
         """Bytes of all arrays that grow with the mesh, the data of the tangents included."""
         pattern = self.pattern
-        held = [*self._cells, self._multipliers, pattern.places, pattern.gradient_places, self._zeros]
-        held += [part for free in (pattern.stiffness, pattern.gradient) for part in (free.kept, free.indices)]
-        return sum(array.nbytes for array in held) + 8 * (pattern.size + pattern.gradient_size)
+        held = [*self._cells, self._multipliers, pattern.lengths, self._zeros]
+        for part in (pattern.stiffness, pattern.gradient):
+            held += [part.rows, part.places, part.indptr, part.indices]
+        return sum(array.nbytes for array in held) + 8 * (pattern.stiffness.size + pattern.gradient.size)
 
     def kinematics(self, displacement: Array, velocity: Array | None = None) -> Kinematics:
         """Stretch, rate and J at all points for full nodal vectors; without `velocity` the rate is zero."""
@@ -133,8 +133,8 @@ class Assembly:
         grid, pattern = self.discretisation, self.pattern
         force = np.zeros(grid.dimension * grid.n_nodes)
         constraint = np.zeros(grid.n_multipliers)
-        stiffness_data = self._cleared("stiffness", pattern.size) if tangent else _NONE
-        gradient_data = self._cleared("gradient", pattern.gradient_size) if tangent else _NONE
+        stiffness_data = np.zeros(pattern.stiffness.size) if tangent else _NONE
+        gradient_data = np.zeros(pattern.gradient.size) if tangent else _NONE
         top = 0.0
         self._set_threads()
         for region in self._regions:
@@ -156,10 +156,11 @@ class Assembly:
                 pressure,
                 self._zeros if tension is None else tension,
                 self._zeros if stiffness is None else stiffness,
-                pattern.starts,
-                pattern.places,
-                pattern.gradient_starts,
-                pattern.gradient_places,
+                pattern.lengths,
+                pattern.stiffness.rows,
+                pattern.stiffness.places,
+                pattern.gradient.rows,
+                pattern.gradient.places,
                 force,
                 constraint,
                 stiffness_data,
@@ -179,13 +180,6 @@ class Assembly:
             law = region.material.functions().energy.pointer
             energies(*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
         return float(found.sum())
-
-    def _cleared(self, name: str, size: int) -> Array:
-        """Zeros in memory that is used again and again: fresh pages would cost as much as the sums."""
-        if name not in self._scratch:
-            self._scratch[name] = np.empty(size)
-        self._scratch[name].fill(0.0)
-        return self._scratch[name]
 
     def _shape(self) -> tuple[int, bool]:
         return self.discretisation.dimension, self.discretisation.cell.affine

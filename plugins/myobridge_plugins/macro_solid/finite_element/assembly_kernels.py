@@ -42,46 +42,11 @@ from myobridge_plugins.macro_solid.finite_element.kernel_types import (
     VECTOR,
 )
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS, add_stress, add_tangent
+from myobridge_plugins.macro_solid.finite_element.scatter_kernels import scatter_gradient, scatter_stiffness
 
 __all__ = ["assemble"]
 
 _L = LANES
-
-
-@njit(**OPTIONS)
-def _scatter_stiffness(n, dimension, n_nodes, nodes, row_starts, places, local, data):
-    """Add the blocks of all pairs a <= b, and their transposes, to the rows of the scalar matrix.
-
-    Lanes are the outermost loop: the rows of a node stay in the cache for all its pairs. Loops of a known length are
-    unrolled: hence the case of three dimensions, where the time goes.
-    """
-    for lane in range(n):
-        pair = 0
-        for a in range(n_nodes):
-            first = nodes[a, lane]
-            start = dimension * dimension * row_starts[first]
-            length = dimension * (row_starts[first + 1] - row_starts[first])
-            for b in range(a, n_nodes):
-                from_ = 9 * pair * _L + lane
-                pair += 1
-                second = nodes[b, lane]
-                across = dimension * (row_starts[second + 1] - row_starts[second])
-                here = start + dimension * places[a * n_nodes + b, lane]
-                there = dimension * (dimension * row_starts[second] + places[b * n_nodes + a, lane])
-                if dimension == 3:
-                    for i in range(3):
-                        for k in range(3):
-                            data[here + i * length + k] += local[from_ + (3 * i + k) * _L]
-                    if a != b:
-                        for k in range(3):
-                            for i in range(3):
-                                data[there + k * across + i] += local[from_ + (3 * i + k) * _L]
-                else:
-                    for i in range(dimension):
-                        for k in range(dimension):
-                            data[here + i * length + k] += local[from_ + (3 * i + k) * _L]
-                            if a != b:
-                                data[there + k * across + i] += local[from_ + (3 * i + k) * _L]
 
 
 @njit(
@@ -90,7 +55,7 @@ def _scatter_stiffness(n, dimension, n_nodes, nodes, row_starts, places, local, 
         *CELLS,
         *(TOUCHED, MATRIX, TABLE, INDEX, LAW, VECTOR),
         *(VECTOR, VECTOR, VECTOR, VECTOR),
-        *(INDEX, PLACES, INDEX, PLACES),
+        *(INDEX, INDEX, PLACES, INDEX, PLACES),
         *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
     ),
     parallel=True,
@@ -119,9 +84,10 @@ def assemble(
     pressure: Any,
     tension: Any,
     stiffness: Any,
-    row_starts: Any,
+    lengths: Any,
+    rows: Any,
     places: Any,
-    gradient_starts: Any,
+    gradient_rows: Any,
     gradient_places: Any,
     force: Any,
     constraint: Any,
@@ -191,7 +157,9 @@ def assemble(
                         add_tangent(n, state, extra, out)
                         add_stiffness(n, n_nodes, at, gradients, out, half, local_stiffness)
                         if n_multipliers > 0:
-                            add_constraint(n, n_nodes, n_multipliers, at, gradients, shapes[q], extra, local_gradient)
+                            add_constraint(
+                                n, n_nodes, n_multipliers, at, gradients, shapes[q], extra, half, local_gradient
+                            )
                 for lane in range(n):
                     for a in range(n_nodes):
                         for i in range(dimension):
@@ -199,22 +167,21 @@ def assemble(
                     for k in range(n_multipliers):
                         constraint[multipliers[batch, k, lane]] += local_constraint[k * _L + lane]
                 if with_tangent:
-                    _scatter_stiffness(
+                    scatter_stiffness(
+                        n, dimension, n_nodes, touched, lengths, rows, places[batch], local_stiffness, stiffness_data
+                    )
+                    scatter_gradient(
                         n,
                         dimension,
                         n_nodes,
+                        n_multipliers,
                         touched,
-                        row_starts,
-                        places[batch],
-                        local_stiffness,
-                        stiffness_data,
+                        multipliers[batch],
+                        lengths,
+                        rows,
+                        gradient_rows,
+                        gradient_places[batch],
+                        local_gradient,
+                        gradient_data,
                     )
-                    for lane in range(n):
-                        for k in range(n_multipliers):
-                            base = dimension * gradient_starts[multipliers[batch, k, lane]]
-                            for a in range(n_nodes):
-                                pair = k * n_nodes + a
-                                entry = base + dimension * gradient_places[batch, pair, lane]
-                                for i in range(dimension):
-                                    gradient_data[entry + i] += local_gradient[(3 * pair + i) * _L + lane]
             largest[block] = top

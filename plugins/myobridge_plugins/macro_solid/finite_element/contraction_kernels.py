@@ -35,21 +35,25 @@ def add_force(n, n_nodes, volume, slopes, stress, force):
 
 
 @njit(**OPTIONS)
-def add_constraint(n, n_nodes, n_multipliers, volume, slopes, shapes, extra, gradient):
-    """Add ``psi cof F G`` to rows ``3 (k n_nodes + a) + i`` of `gradient`."""
+def add_constraint(n, n_nodes, n_multipliers, volume, slopes, shapes, extra, half, gradient):
+    """Add ``psi cof F G`` to rows ``3 (k n_nodes + a) + i`` of `gradient`; `half` is scratch of 3 rows."""
     for a in range(n_nodes):
         g = slopes[3 * a * _L : (3 * a + 3) * _L]
+        for lane in range(n):
+            x = volume[lane] * g[lane]
+            y = volume[lane] * g[_L + lane]
+            z = volume[lane] * g[2 * _L + lane]
+            half[0 * _L + lane] = x * extra[0 * _L + lane] + y * extra[1 * _L + lane] + z * extra[2 * _L + lane]
+            half[1 * _L + lane] = x * extra[3 * _L + lane] + y * extra[4 * _L + lane] + z * extra[5 * _L + lane]
+            half[2 * _L + lane] = x * extra[6 * _L + lane] + y * extra[7 * _L + lane] + z * extra[8 * _L + lane]
         for k in range(n_multipliers):
             psi = shapes[k]
             row = 3 * (k * n_nodes + a) * _L
             b = gradient[row : row + 3 * _L]
             for lane in range(n):
-                x = psi * volume[lane] * g[lane]
-                y = psi * volume[lane] * g[_L + lane]
-                z = psi * volume[lane] * g[2 * _L + lane]
-                b[0 * _L + lane] += x * extra[0 * _L + lane] + y * extra[1 * _L + lane] + z * extra[2 * _L + lane]
-                b[1 * _L + lane] += x * extra[3 * _L + lane] + y * extra[4 * _L + lane] + z * extra[5 * _L + lane]
-                b[2 * _L + lane] += x * extra[6 * _L + lane] + y * extra[7 * _L + lane] + z * extra[8 * _L + lane]
+                b[0 * _L + lane] += psi * half[0 * _L + lane]
+                b[1 * _L + lane] += psi * half[1 * _L + lane]
+                b[2 * _L + lane] += psi * half[2 * _L + lane]
 
 
 @njit(**OPTIONS)

@@ -81,7 +81,6 @@ def balance(
         if soft:
             found = found._replace(constraint_compliance=body.multiplier_mass / bulk_modulus)
     if sensitivity is not None:
-        # Last, because it overwrites the data of the tangents.
         damping = assembly.sums(full, 0.0 * pressure, None, sensitivity, tangent=True, passive=False)
         found = found._replace(damping=pattern.stiffness.matrix(damping.stiffness))
     return found

@@ -1,9 +1,9 @@
 """Sparse pattern: where the entry of every pair of nodes stands, worked out once for a mesh.
 
-Rows of the stiffness come in groups of ``dim``, one group a node: row ``dim * a + i`` has one column block of width
-``dim`` for every node that shares a cell with `a`. A kernel therefore needs one small number for a pair of nodes, its
-place within the row, and not one for each of its ``dim * dim`` entries. The rows of the constraint's gradient are kept
-in the same way. What supports hold is left out at the end, by one indexing of the data.
+Only rows and columns of free numbers exist: what supports hold is never stored. The free rows of one node have the same
+columns, in which the free numbers of a neighbour stand side by side. A kernel therefore needs one small number for a
+pair of nodes, the place of the first of them within the row, and not one for each of its ``dim * dim`` entries. The
+rows of the constraint's gradient are kept in the same way.
 """
 
 from __future__ import annotations
@@ -16,23 +16,39 @@ import numpy as np
 from myobridge.interfaces import Array
 from myobridge_plugins.macro_solid.finite_element.discretisation import Discretisation
 
-__all__ = ["FreePart", "Pattern", "pattern"]
+__all__ = ["Pattern", "SparseRows", "pattern"]
 
 
 @attrs.frozen(eq=False)
-class FreePart:
-    """Rows and columns of a sparse matrix that are free: which of its data stay, and the pattern that they have."""
+class SparseRows:
+    """Pattern of one matrix in compressed rows, and where the kernels find their entries.
 
-    kept: np.ndarray
+    Attributes
+    ----------
+    rows : ndarray
+        First entry of the row of every number; -1 for those that are held.
+    places : ndarray, (n_batches, pairs, LANES)
+        Place of the first column of the pair (left node, right node) within the row.
+    indptr, indices, shape :
+        The pattern of the free part, as `scipy.sparse` has it.
+    """
+
+    rows: np.ndarray
+    places: np.ndarray
     indptr: np.ndarray
     indices: np.ndarray
     shape: tuple[int, int]
 
+    @property
+    def size(self) -> int:
+        """Entries."""
+        return self.indices.size
+
     def matrix(self, data: Array) -> Any:
-        """The free part of a matrix with the given data, as a CSR array."""
+        """The matrix with the given data, which it keeps, as a CSR array."""
         import scipy.sparse as sparse
 
-        return sparse.csr_array((data[self.kept], self.indices, self.indptr), shape=self.shape)
+        return sparse.csr_array((data, self.indices, self.indptr), shape=self.shape)
 
 
 @attrs.frozen(eq=False)
@@ -41,89 +57,60 @@ class Pattern:
 
     Attributes
     ----------
-    starts, gradient_starts : ndarray, (n_nodes + 1,) and (n_multipliers + 1,)
-        First neighbour of each node, and of each multiplier.
-    places, gradient_places : ndarray, (n_batches, pairs, LANES)
-        Place of the pair (a, b), and of (multiplier, b), within the row.
-    stiffness, gradient : FreePart
-    size, gradient_size : int
-        Entries before anything is left out.
+    stiffness, gradient : SparseRows
+    lengths : ndarray, (n_nodes,)
+        Entries in a row of each node whose numbers are all free; 0 for the other nodes.
     """
 
-    starts: np.ndarray
-    places: np.ndarray
-    gradient_starts: np.ndarray
-    gradient_places: np.ndarray
-    stiffness: FreePart
-    gradient: FreePart
-    size: int
-    gradient_size: int
+    stiffness: SparseRows
+    gradient: SparseRows
+    lengths: np.ndarray
 
 
 def pattern(discretisation: Discretisation, free: np.ndarray, free_multipliers: np.ndarray) -> Pattern:
-    """Pattern of a discretisation whose unknowns are the numbers `free` and `free_multipliers`."""
-    nodes, multipliers = discretisation.nodes, discretisation.multipliers
-    n_nodes, d = discretisation.n_nodes, discretisation.dimension
-    starts, columns, places = _rows(nodes, nodes, n_nodes, n_nodes)
-    if multipliers.shape[1]:
-        rows = _rows(multipliers, nodes, discretisation.n_multipliers, n_nodes)
-    else:
-        rows = np.zeros(1, dtype=np.int32), np.zeros(0, dtype=np.int32), np.zeros((len(nodes), 0), dtype=np.int16)
-    gradient_starts, gradient_columns, gradient_places = rows
-    size, gradient_size = d * d * columns.size, d * gradient_columns.size
-    if size >= 2**31:
-        raise MemoryError(f"the stiffness matrix of {n_nodes:,} nodes has {size:,} entries; use a coarser mesh")
-    return Pattern(
-        starts,
-        discretisation.batched(places),
-        gradient_starts,
-        discretisation.batched(gradient_places),
-        _free_part(starts, columns, d, d, free, free, n_nodes),
-        _free_part(gradient_starts, gradient_columns, 1, d, free_multipliers, free, n_nodes),
-        size,
-        gradient_size,
-    )
+    """Pattern of a discretisation whose unknowns are the sorted numbers `free` and `free_multipliers`."""
+    nodes, multipliers, d = discretisation.nodes, discretisation.multipliers, discretisation.dimension
+    moving, kept = np.zeros((discretisation.n_nodes, d), dtype=bool), np.zeros(discretisation.n_multipliers, dtype=bool)
+    moving.flat[free] = True
+    kept[free_multipliers] = True
+    stiffness, lengths = _sparse_rows(discretisation, nodes, moving, moving)
+    gradient, _ = _sparse_rows(discretisation, multipliers, kept[:, None], moving)
+    return Pattern(stiffness, gradient, np.where(moving.all(axis=1), lengths, 0).astype(np.int32))
 
 
-def _rows(left: np.ndarray, right: np.ndarray, n_left: int, n_right: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Row starts, sorted columns, and the place of every pair (cell, a * n + b) within its row."""
+def _sparse_rows(
+    discretisation: Discretisation, left: np.ndarray, free_left: np.ndarray, free_right: np.ndarray
+) -> tuple[SparseRows, np.ndarray]:
+    """Rows of the numbers of `left` (n_cells, ...) against those of all nodes, and the length of each one's rows.
+
+    `free_left` and `free_right`, (n, numbers of each), tell which numbers are free.
+    """
+    right, shape = discretisation.nodes, (int(free_left.sum()), int(free_right.sum()))
+    starts, columns, pairs = _neighbours(left, right, len(free_left), len(free_right))
+    widths = free_right.sum(axis=1)[columns]
+    ends = np.concatenate([[0], np.cumsum(widths)])
+    lengths = np.diff(ends[starts])
+    of_numbers = np.where(free_left, lengths[:, None], 0).ravel()
+    bounds = np.concatenate([[0], np.cumsum(of_numbers)])
+    if bounds[-1] >= 2**31:
+        raise MemoryError(f"a matrix of {shape[0]:,} rows has {bounds[-1]:,} entries; use a coarser mesh")
+    within = (ends[pairs] - np.repeat(ends[starts[left]], right.shape[1], axis=1)).astype(np.int16)
+    # Free columns of the rows of each node, and those of every free row.
+    number = np.cumsum(free_right).reshape(free_right.shape) - 1
+    of_nodes = number[columns][free_right[columns]].astype(np.int32)
+    owner = np.flatnonzero(free_left) // free_left.shape[1]
+    long = lengths[owner]
+    indptr = np.concatenate([[0], np.cumsum(long)])
+    indices = of_nodes[np.arange(indptr[-1]) + np.repeat(ends[starts[owner]] - indptr[:-1], long)]
+    rows = np.where(free_left.ravel(), bounds[:-1], -1).astype(np.int32)
+    return SparseRows(rows, discretisation.batched(within), indptr.astype(np.int32), indices, shape), lengths
+
+
+def _neighbours(
+    left: np.ndarray, right: np.ndarray, n_left: int, n_right: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """First neighbour of each row (n_left + 1,), sorted neighbours, and the one of each pair (cell, a * n + b)."""
     keys = left[:, :, None].astype(np.int64) * n_right + right[:, None, :]
     found, inverse = np.unique(keys, return_inverse=True)
-    rows = found // n_right
-    starts = np.searchsorted(rows, np.arange(n_left + 1))
-    inverse = inverse.reshape(len(left), -1)
-    within = inverse - np.repeat(starts[left], right.shape[1], axis=1)
-    return starts.astype(np.int32), (found % n_right).astype(np.int32), within.astype(np.int16)
-
-
-def _free_part(
-    starts: np.ndarray,
-    columns: np.ndarray,
-    row_width: int,
-    column_width: int,
-    free_rows: np.ndarray,
-    free_columns: np.ndarray,
-    n_nodes: int,
-) -> FreePart:
-    """Free part of the scalar matrix whose node pattern is given."""
-    lengths = np.diff(starts)
-    n_rows = row_width * lengths.size
-    # Scalar columns of one row of each node, then that row `row_width` times.
-    wide = (column_width * columns[:, None] + np.arange(column_width, dtype=np.int32)).ravel()
-    if row_width == 1:
-        rows = np.repeat(np.arange(n_rows), column_width * lengths)
-    else:
-        begin = np.repeat(column_width * starts[:-1], row_width)
-        long = np.repeat(column_width * lengths, row_width)
-        offset = np.concatenate([[0], np.cumsum(long)])
-        rows = np.repeat(np.arange(n_rows), long)
-        wide = wide[np.arange(offset[-1]) - np.repeat(offset[:-1], long) + np.repeat(begin, long)]
-    new_row, new_column = np.full(n_rows, -1), np.full(column_width * n_nodes, -1)
-    new_row[free_rows] = np.arange(free_rows.size)
-    new_column[free_columns] = np.arange(free_columns.size)
-    kept = np.flatnonzero((new_row[rows] >= 0) & (new_column[wide] >= 0))
-    counts = np.bincount(new_row[rows[kept]], minlength=free_rows.size)
-    indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    return FreePart(
-        kept.astype(np.int32), indptr, new_column[wide[kept]].astype(np.int32), (free_rows.size, free_columns.size)
-    )
+    starts = np.searchsorted(found // n_right, np.arange(n_left + 1))
+    return starts, found % n_right, inverse.reshape(len(left), -1)
