@@ -49,6 +49,11 @@ TOPICS: Mapping[str, Sequence[str]] = {
 MODULES = (
     "myobridge.coupling",
     "myobridge.parameters",
+    "myobridge.interfaces",
+    "myobridge.compiled",
+    "myobridge.material_points",
+    "myobridge.mesh_check",
+    "myobridge.mesh_names",
     "myobridge.recording",
     "myobridge.fields",
     "myobridge.vtkhdf",
@@ -61,7 +66,12 @@ MODULES = (
 
 
 # Their docstrings are those of another package, and change with it.
-FOREIGN = {"hookimpl": "Marks the function of a plugin module that offers its classes."}
+FOREIGN = {
+    "hookimpl": "Marks the function of a plugin module that offers its classes.",
+    "Array": "Array of 64-bit floats.",
+    "Matrix": "Dense array or sparse one of scipy.",
+    "Memory": "What an integrator hands on from step to step, by name.",
+}
 
 
 def summary(item: object) -> str:
@@ -95,7 +105,9 @@ def page() -> str:
     lines += ["", "## Modules"]
     for name in MODULES:
         module = importlib.import_module(name)
-        lines += ["", f"### `{name}`", "", summary(module), "", *table(module.__all__, module)]
+        # What `mb` offers too has its line above.
+        names = [item for item in module.__all__ if item not in mb.__all__]
+        lines += ["", f"### `{name}`", "", summary(module), "", *table(names, module)]
     return "\n".join(lines) + "\n"
 
 
