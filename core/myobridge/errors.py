@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "SceneError",
     "StepFailed",
     "nearest",
+    "within",
 ]
 
 
@@ -54,6 +56,15 @@ class ParameterError(MyobridgeError):
         super().__init__(f"{key}: {problem}")
         self.key = key
         self.problem = problem
+
+
+@contextlib.contextmanager
+def within(key: str) -> Iterator[None]:
+    """Errors of a part, told with the key under which the part stands: ``file`` becomes ``mesh.file``."""
+    try:
+        yield
+    except ParameterError as error:
+        raise ParameterError(f"{key}.{error.key}", error.problem) from None
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str:

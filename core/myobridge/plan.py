@@ -59,6 +59,7 @@ class Plan:
             tables, scaling = _tables(scene, found), scaling_of(scene)
             parts = {section: _part(found, section, table, scene) for section, table in tables.items()}
             _check_suppliers(scene, found, parts)
+            _check_usable(parts)
             if not scene.static:
                 _check_inertia(scene, parts)
         except ParameterError as error:
@@ -232,6 +233,15 @@ def _supplied(section: str, part: Any) -> frozenset[str]:
     if section == "integrator" and cls.inertia:
         effects |= {"inertia"}
     return effects
+
+
+def _check_usable(parts: Mapping[str, Any]) -> None:
+    """What needs a package that is not here is said before anything is computed."""
+    for section in ("integrator", "continuation"):
+        solver = getattr(getattr(parts.get(section), "newton", None), "linear", None)
+        obstacle = "" if solver is None else solver.obstacle()
+        if obstacle:
+            raise ParameterError(f"{section}.newton.linear", f"cannot be used on this machine: {obstacle}")
 
 
 def _check_suppliers(scene: Scene, plugins: Registry, parts: Mapping[str, Any]) -> None:

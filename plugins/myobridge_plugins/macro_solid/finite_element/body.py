@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import attrs
 import numpy as np
 
-from myobridge.errors import ParameterError
+from myobridge.errors import ParameterError, within
 from myobridge.interfaces import Array, Fibres, Load, Material
 from myobridge.mesh_names import boundary_facets, subdomain_cells
 from myobridge_plugins.macro_solid.finite_element.assembly import Assembly, at_rest
@@ -25,12 +25,13 @@ __all__ = ["Body", "Tissue"]
 
 
 class Tissue(NamedTuple):
-    """A region with what it is made of: numbers of its cells, material, fibres, and whether it has cross-bridges."""
+    """A region: numbers of its cells, material, fibres, whether it has cross-bridges, and the key of its fibres."""
 
     cells: np.ndarray
     material: Material
     fibres: Fibres | None
     muscle: bool
+    key: str
 
 
 @attrs.frozen(eq=False)
@@ -101,7 +102,8 @@ class Body:
             if tissue.fibres is None:
                 fibre[0, points] = 1.0
             else:
-                directions = tissue.fibres.directions(mesh, cell.points)
+                with within(tissue.key):
+                    directions = tissue.fibres.directions(mesh, cell.points)
                 cells = grid.order[grid.cell_of_point[points]]
                 fibre[:dimension, points] = directions[cells, grid.quadrature_of_point[points]].T
             n_sites = points.stop if tissue.muscle else n_sites
@@ -237,10 +239,11 @@ def _tissues(mesh: Any, material: Material, fibres: Fibres | None, regions: Sequ
                 f"region[{index}].name", f"'{region.name}' shares {np.sum(taken >= 0)} cells with region '{other}'"
             )
         owner[cells] = index
-        found.append(Tissue(cells, region.material or material, region.fibres or fibres, region.cross_bridges))
+        key = f"region[{index}].fibres" if region.fibres is not None else "fibres"
+        found.append(Tissue(cells, region.material or material, region.fibres or fibres, region.cross_bridges, key))
     rest = np.flatnonzero(owner < 0)
     if rest.size:
-        found.insert(0, Tissue(rest, material, fibres, True))
+        found.insert(0, Tissue(rest, material, fibres, True, "fibres"))
     return sorted(found, key=lambda tissue: not tissue.muscle)
 
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, final
 import attrs
 import numpy as np
 
-from myobridge.errors import ParameterError
+from myobridge.errors import ParameterError, within
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
     ActiveLaw,
@@ -121,7 +121,8 @@ class FiniteElement(MacroSolid):
             return self.shared
         if self.quadrature in (3, 4):
             raise ParameterError("quadrature", f"is {self.quadrature}, whose rule on tetrahedra has a negative weight")
-        mesh = self.mesh.mesh()
+        with within("mesh"):
+            mesh = self.mesh.mesh()
         weight = None if self.gravity is None else self.density * self._acceleration(mesh.p.shape[0])
         return Body.of(
             mesh,
