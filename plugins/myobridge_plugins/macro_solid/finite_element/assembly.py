@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import threading
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import attrs
@@ -16,6 +18,7 @@ from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
 __all__ = ["Assembly", "Kinematics", "Sums", "at_rest"]
 
 _NONE = np.empty(0)
+_POOL = threading.Lock()
 # Below this number of cells a second thread costs more to wake than it saves.
 _SMALL = 1000
 
@@ -113,8 +116,8 @@ class Assembly:
         n = self.discretisation.n_points
         found = Kinematics(np.empty(n), np.empty(n) if velocity is not None else self._zeros, np.empty(n))
         moving = displacement if velocity is None else velocity
-        self._set_threads()
-        kinematics(*self._shape(), velocity is not None, *self._cells, displacement, moving, *found)
+        with self._threads():
+            kinematics(*self._shape(), velocity is not None, *self._cells, displacement, moving, *found)
         return found
 
     def sums(
@@ -136,37 +139,37 @@ class Assembly:
         stiffness_data = np.zeros(pattern.stiffness.size) if tangent else _NONE
         gradient_data = np.zeros(pattern.gradient.size) if tangent else _NONE
         top = 0.0
-        self._set_threads()
         for region in self._regions:
             functions = region.material.functions()
             law = functions.tangent if tangent else functions.stress
             largest = np.zeros(len(region.blocks))
-            assemble(
-                *self._shape(),
-                passive,
-                tangent,
-                *self._cells,
-                self._multipliers,
-                grid.cell.shapes,
-                region.blocks,
-                region.colours,
-                law.pointer,
-                region.constants,
-                displacement,
-                pressure,
-                self._zeros if tension is None else tension,
-                self._zeros if stiffness is None else stiffness,
-                pattern.lengths,
-                pattern.stiffness.rows,
-                pattern.stiffness.places,
-                pattern.gradient.rows,
-                pattern.gradient.places,
-                force,
-                constraint,
-                stiffness_data,
-                gradient_data,
-                largest,
-            )
+            with self._threads():
+                assemble(
+                    *self._shape(),
+                    passive,
+                    tangent,
+                    *self._cells,
+                    self._multipliers,
+                    grid.cell.shapes,
+                    region.blocks,
+                    region.colours,
+                    law.pointer,
+                    region.constants,
+                    displacement,
+                    pressure,
+                    self._zeros if tension is None else tension,
+                    self._zeros if stiffness is None else stiffness,
+                    pattern.lengths,
+                    pattern.stiffness.rows,
+                    pattern.stiffness.places,
+                    pattern.gradient.rows,
+                    pattern.gradient.places,
+                    force,
+                    constraint,
+                    stiffness_data,
+                    gradient_data,
+                    largest,
+                )
             top = max(top, float(largest.max(initial=0.0)))
         return Sums(force, constraint, stiffness_data, gradient_data, top)
 
@@ -175,24 +178,28 @@ class Assembly:
         from myobridge_plugins.macro_solid.finite_element.point_loops import energies
 
         found = np.zeros(self.discretisation.sizes.size)
-        self._set_threads()
         for region in self._regions:
             law = region.material.functions().energy.pointer
-            energies(*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
+            with self._threads():
+                energies(*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
         return float(found.sum())
 
     def _shape(self) -> tuple[int, bool]:
         return self.discretisation.dimension, self.discretisation.cell.affine
 
-    def _set_threads(self) -> None:
+    @contextlib.contextmanager
+    def _threads(self) -> Iterator[None]:
+        """The wanted number of threads, for one loop at a time: numba's own pool must not be entered by two at once."""
         import numba
 
         config: Any = numba.config  # pyright: ignore[reportPrivateImportUsage]
         wanted = min(self.threads or config.NUMBA_NUM_THREADS, config.NUMBA_NUM_THREADS)
         if self.discretisation.n_cells < _SMALL:
             wanted = 1
-        if numba.get_num_threads() != wanted:
-            numba.set_num_threads(wanted)
+        with _POOL:
+            if numba.get_num_threads() != wanted:
+                numba.set_num_threads(wanted)
+            yield
 
 
 def at_rest(material: Material, fibre: Array) -> tuple[Array, Array]:
