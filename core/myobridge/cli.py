@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from myobridge.errors import ContinuationFailed, StepFailed
     from myobridge.interrupts import Terminated
 
-    options = _parser().parse_args(arguments)
+    options = _parser().parse_args(_with_view_joined(sys.argv[1:] if arguments is None else arguments))
     try:
         return options.command(options)
     except (StepFailed, ContinuationFailed) as error:
@@ -48,6 +48,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         print(f"myobridge: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return _BAD_INPUT
+
+
+def _with_view_joined(arguments: Sequence[str]) -> list[str]:
+    """``--view -60,22`` as ``--view=-60,22``: argparse takes the minus for an option."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] == "--view":
+            joined[-1] = f"--view={argument}"
+        else:
+            joined.append(argument)
+    return joined
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -57,6 +57,8 @@ def settings_table(plan: Plan) -> Table:
 
 
 def _short(value: Any) -> str:
+    if value is None:
+        return "not given"
     if isinstance(value, tuple) and len(value) > 4:
         if not all(isinstance(item, int | float) for item in value):
             return f"{len(value)} entries"

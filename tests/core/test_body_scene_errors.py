@@ -37,6 +37,8 @@ MISTAKES: dict[str, tuple[list[str], str]] = {
     ),
     "mesh file": (['solid.mesh={plugin="file", file="nix.msh"}'], "solid.mesh.file: .* nix.msh' does not exist"),
     "dimension of a load": (["load.0.gravity=[1, 2, 3]"], "load[0].gravity: .* expected a list of 2 numbers [m/s^2]"),
+    "free to slide": (["support.0.components=x"], "can move as a rigid body in one way"),
+    "not held at all": (["support.0.boundary=top", "support.0.components=y"], "rigid body in one way"),
     "region": (['solid.region=[{name="tendon"}]'], "region[0].name: the mesh has no subdomain 'tendon'"),
     "supports given twice": (['solid.support=[{boundary="top"}]'], "support[0]: is given, and so is solid.support"),
 }

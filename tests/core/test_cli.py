@@ -306,3 +306,10 @@ def test_a_killed_run_leaves_a_file_that_opens_and_resumes(
         np.testing.assert_array_equal(rows, resumed.series[name], err_msg=name)
     if number != signal.SIGKILL:
         assert not output.with_name("result.h5.part").exists()
+
+
+def test_a_view_may_begin_with_a_minus(cli, write, tmp_path: Path) -> None:
+    cli("run", write(BODY), "-q")
+    for words in (["--view", "-60,22"], ["--view=-60,22"]):
+        code, _, err = cli("show", "scene.h5", *words)
+        assert (code, err) == (0, "")

@@ -36,7 +36,12 @@ from myobridge_plugins.macro_solid.finite_element.forces import (
     support_work,
     total_force,
 )
-from myobridge_plugins.macro_solid.finite_element.momenta import angular_momentum, node_momentum, rigid_motions
+from myobridge_plugins.macro_solid.finite_element.momenta import (
+    angular_momentum,
+    node_momentum,
+    rigid_freedom,
+    rigid_motions,
+)
 from myobridge_plugins.macro_solid.finite_element.regions import Region
 from myobridge_plugins.macro_solid.finite_element.supports import Support
 
@@ -255,6 +260,9 @@ class FiniteElement(MacroSolid):
     @cached_property
     def _rigid_motions(self) -> Array:
         return rigid_motions(self._body)
+
+    def statics_obstacle(self, motion: Motion, law: ActiveLaw | None) -> str:
+        return rigid_freedom(self._body)
 
     # ------------------------------------------------------------------ pictures, times
 

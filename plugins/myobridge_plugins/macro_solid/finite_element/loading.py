@@ -17,7 +17,7 @@ from myobridge.errors import ParameterError
 from myobridge.interfaces import Array, Load
 from myobridge_plugins.macro_solid.finite_element.surfaces import BoundaryPart
 
-__all__ = ["Loading"]
+__all__ = ["Loading", "stores"]
 
 
 @attrs.frozen(eq=False)

@@ -8,8 +8,9 @@ import numpy as np
 
 from myobridge.interfaces import Array, Motion
 from myobridge_plugins.macro_solid.finite_element.body import Body
+from myobridge_plugins.macro_solid.finite_element.loading import stores
 
-__all__ = ["angular_momentum", "node_momentum", "rigid_motions"]
+__all__ = ["angular_momentum", "node_momentum", "rigid_freedom", "rigid_motions"]
 
 
 def node_momentum(body: Body, mass: Any, motion: Motion) -> Array:
@@ -29,8 +30,33 @@ def angular_momentum(body: Body, mass: Any, motion: Motion) -> Array:
     return np.cross(place, momentum).sum(axis=0)
 
 
+def rigid_freedom(body: Body) -> str:
+    """In a sentence, what leaves the body free to move without deforming; empty where supports or bedding hold it."""
+    loads = body.loading.loads
+    if any(stores(load) for load in loads):
+        return ""
+    whole = _rigid(body)
+    held = whole[body.held.all_numbers] / np.linalg.norm(whole, axis=0)
+    scale = np.sqrt(max(body.n_full, 1))
+    rank = int(np.sum(np.linalg.svd(scale * held, compute_uv=False) > 1e-6)) if held.size else 0
+    missing = whole.shape[1] - rank
+    if not missing:
+        return ""
+    named = ", ".join(f"'{support.boundary}'" for support in body.held.supports) or "none"
+    ways = "one way" if missing == 1 else f"{missing} ways"
+    return (
+        f"can move as a rigid body in {ways}, so that it has no unique equilibrium (supports: {named}); hold more of "
+        "its boundary, or bed it elastically (load 'robin')"
+    )
+
+
 def rigid_motions(body: Body) -> Array:
     """Translations and infinitesimal rotations of the free numbers, (n_unknowns, 3 or 6)."""
+    return np.ascontiguousarray(_rigid(body)[body.free])
+
+
+def _rigid(body: Body) -> Array:
+    """The same of all numbers, about the centre of the nodes."""
     positions = body.grid.positions - body.grid.positions.mean(axis=0)
     n, d = positions.shape
     found = [np.tile(row, n) for row in np.eye(d)]
@@ -39,4 +65,4 @@ def rigid_motions(body: Body) -> Array:
             turn = np.zeros((n, d))
             turn[:, i], turn[:, k] = -positions[:, k], positions[:, i]
             found.append(turn.ravel())
-    return np.ascontiguousarray(np.stack(found, axis=1)[body.free])
+    return np.stack(found, axis=1)
