@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import threading
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+import itertools
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import attrs
 import numpy as np
@@ -14,11 +13,11 @@ from myobridge.compiled import LANES
 from myobridge.interfaces import Array, Material
 from myobridge_plugins.macro_solid.finite_element.discretisation import Discretisation
 from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
+from myobridge_plugins.macro_solid.finite_element.threads import available, shared_out
 
 __all__ = ["Assembly", "Kinematics", "Sums", "at_rest"]
 
 _NONE = np.empty(0)
-_POOL = threading.Lock()
 # Below this number of cells a second thread costs more to wake than it saves.
 _SMALL = 1000
 
@@ -116,8 +115,12 @@ class Assembly:
         n = self.discretisation.n_points
         found = Kinematics(np.empty(n), np.empty(n) if velocity is not None else self._zeros, np.empty(n))
         moving = displacement if velocity is None else velocity
-        with self._threads():
-            kinematics(*self._shape(), velocity is not None, *self._cells, displacement, moving, *found)
+
+        def loop(first: int, last: int) -> None:
+            rated = velocity is not None
+            kinematics(first, last, *self._shape(), rated, *self._cells, displacement, moving, *found)
+
+        self._run(loop, [0, self.discretisation.sizes.size])
         return found
 
     def sums(
@@ -143,63 +146,57 @@ class Assembly:
             functions = region.material.functions()
             law = functions.tangent if tangent else functions.stress
             largest = np.zeros(len(region.blocks))
-            with self._threads():
-                assemble(
-                    *self._shape(),
-                    passive,
-                    tangent,
-                    *self._cells,
-                    self._multipliers,
-                    grid.cell.shapes,
-                    region.blocks,
-                    region.colours,
-                    law.pointer,
-                    region.constants,
-                    displacement,
-                    pressure,
-                    self._zeros if tension is None else tension,
-                    self._zeros if stiffness is None else stiffness,
-                    pattern.lengths,
-                    pattern.stiffness.rows,
-                    pattern.stiffness.places,
-                    pattern.gradient.rows,
-                    pattern.gradient.places,
-                    force,
-                    constraint,
-                    stiffness_data,
-                    gradient_data,
-                    largest,
-                )
+            given = (
+                *self._shape(),
+                passive,
+                tangent,
+                *self._cells,
+                self._multipliers,
+                grid.cell.shapes,
+                region.blocks,
+                law.pointer,
+                region.constants,
+                displacement,
+                pressure,
+                self._zeros if tension is None else tension,
+                self._zeros if stiffness is None else stiffness,
+                pattern.lengths,
+                pattern.stiffness.rows,
+                pattern.stiffness.places,
+                pattern.gradient.rows,
+                pattern.gradient.places,
+                force,
+                constraint,
+                stiffness_data,
+                gradient_data,
+                largest,
+            )
+            self._run(lambda first, last, given=given: assemble(first, last, *given), region.colours)
             top = max(top, float(largest.max(initial=0.0)))
         return Sums(force, constraint, stiffness_data, gradient_data, top)
 
     def energy(self, displacement: Array) -> float:
         """Passive energy of the body [J], without the constraint's share."""
-        from myobridge_plugins.macro_solid.finite_element.point_loops import energies
+        from myobridge_plugins.macro_solid.finite_element.energy_kernels import energies
 
         found = np.zeros(self.discretisation.sizes.size)
         for region in self._regions:
             law = region.material.functions().energy.pointer
-            with self._threads():
-                energies(*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
+            given = (*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
+            self._run(lambda first, last, given=given: energies(first, last, *given), [0, region.batches.size])
         return float(found.sum())
 
     def _shape(self) -> tuple[int, bool]:
         return self.discretisation.dimension, self.discretisation.cell.affine
 
-    @contextlib.contextmanager
-    def _threads(self) -> Iterator[None]:
-        """The wanted number of threads, for one loop at a time: numba's own pool must not be entered by two at once."""
-        import numba
-
-        config: Any = numba.config  # pyright: ignore[reportPrivateImportUsage]
-        wanted = min(self.threads or config.NUMBA_NUM_THREADS, config.NUMBA_NUM_THREADS)
-        if self.discretisation.n_cells < _SMALL:
-            wanted = 1
-        with _POOL:
-            if numba.get_num_threads() != wanted:
-                numba.set_num_threads(wanted)
-            yield
+    def _run(self, loop: Callable[[int, int], None], bounds: Sequence[int] | np.ndarray) -> None:
+        """Run a loop over a range, one part after the other, each shared out among threads."""
+        threads = min(self.threads or available(), available())
+        if threads == 1 or self.discretisation.n_cells < _SMALL:
+            bounds = [bounds[0], bounds[-1]]
+            threads = 1
+        for first, last in itertools.pairwise(bounds):
+            shared_out(threads, int(first), int(last), loop)
 
 
 def at_rest(material: Material, fibre: Array) -> tuple[Array, Array]:

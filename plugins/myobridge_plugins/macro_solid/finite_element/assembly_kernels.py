@@ -1,6 +1,6 @@
 """Loop over batches of elements: residual and tangent into vectors and sparse rows.
 
-Blocks of consecutive batches run in parallel, colour by colour: blocks of one colour share no node, so the order of
+Blocks of consecutive batches may run in parallel, colour by colour: blocks of one colour share no node, so the order of
 every sum is fixed and the answer does not depend on the number of threads.
 
 Arguments that the loops share:
@@ -12,7 +12,7 @@ Arguments that the loops share:
 * ``corners`` (n_batches, 3 * n_corners * LANES): positions. ``fibre`` (3, n_points): reference directions.
 * ``weights`` (n_q,), ``slopes`` (n_q, n_nodes, 3), ``map_slopes`` (n_q, n_corners, 3), ``shapes`` (n_q, n_multipliers):
   the reference cell at its quadrature points, displacement, geometry and multiplier.
-* ``blocks`` (n_blocks, 2), ``colours`` (n_colours + 1,): batches of a block, and blocks of a colour.
+* ``blocks`` (n_blocks, 2): batches of a block; blocks are sorted by colour.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange, types
+from numba import njit, types
 
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.contraction_kernels import add_constraint, add_force, add_stiffness
@@ -51,17 +51,18 @@ _L = LANES
 
 @njit(
     types.void(
-        *(types.intp, types.boolean, types.boolean, types.boolean),
+        *(types.intp, types.intp, types.intp, types.boolean, types.boolean, types.boolean),
         *CELLS,
-        *(TOUCHED, MATRIX, TABLE, INDEX, LAW, VECTOR),
+        *(TOUCHED, MATRIX, TABLE, LAW, VECTOR),
         *(VECTOR, VECTOR, VECTOR, VECTOR),
         *(INDEX, INDEX, PLACES, INDEX, PLACES),
         *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
     ),
-    parallel=True,
     **OPTIONS,
 )
 def assemble(
+    first: Any,
+    last: Any,
     dimension: Any,
     affine: Any,
     passive: Any,
@@ -77,7 +78,6 @@ def assemble(
     multipliers: Any,
     shapes: Any,
     blocks: Any,
-    colours: Any,
     tangent_law: Any,
     constants: Any,
     displacement: Any,
@@ -95,93 +95,92 @@ def assemble(
     gradient_data: Any,
     largest: Any,
 ):
-    """Add internal force, constraint and their derivatives; `largest` (n_blocks,) gets the largest stress [Pa].
+    """Add internal force, constraint and their derivatives of the blocks from `first` to before `last`.
+
+    `largest` (n_blocks,) gets the largest stress [Pa] of each block.
 
     `tangent_law` is the material's tangent, or its stress where no tangent is wanted. Without `passive` the material
     is left out: then only pressure and tension act.
     """
     n_nodes, n_multipliers, n_q = nodes.shape[1], multipliers.shape[1], weights.shape[0]
     n_pairs = n_nodes * (n_nodes + 1) // 2
-    for colour in range(colours.shape[0] - 1):
-        for block in prange(colours[colour], colours[colour + 1]):
-            local = np.empty(3 * n_nodes * _L)
-            gradients = np.empty(3 * n_nodes * _L)
-            inverse, volume, at = np.empty(9 * _L), np.empty(_L), np.empty(_L)
-            state, out, extra, half = np.empty(15 * _L), np.empty(54 * _L), np.empty(14 * _L), np.empty(27 * _L)
-            local_force = np.empty(3 * n_nodes * _L)
-            local_constraint = np.empty((n_multipliers + 1) * _L)
-            local_stiffness = np.empty(9 * n_pairs * _L if with_tangent else 1)
-            local_gradient = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
-            top = 0.0
-            for batch in range(blocks[block, 0], blocks[block, 1]):
-                n = sizes[batch]
-                touched = nodes[batch]
-                gather(n, dimension, n_nodes, touched, displacement, local)
-                local_force[:] = 0.0
-                local_constraint[:] = 0.0
-                local_stiffness[:] = 0.0
-                local_gradient[:] = 0.0
-                for q in range(n_q):
-                    if q == 0 or not affine:
-                        volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-                    shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-                    identity(n, state)
-                    add_deformation(n, n_nodes, local, gradients, state)
-                    point = starts[batch] + q * n
-                    for lane in range(n):
-                        state[9 * _L + lane] = fibre[0, point + lane]
-                        state[10 * _L + lane] = fibre[1, point + lane]
-                        state[11 * _L + lane] = fibre[2, point + lane]
-                        state[12 * _L + lane] = 0.0
-                        state[13 * _L + lane] = tension[point + lane]
-                        state[14 * _L + lane] = stiffness[point + lane]
-                    for k in range(n_multipliers):
-                        for lane in range(n):
-                            state[12 * _L + lane] += shapes[q, k] * pressure[multipliers[batch, k, lane]]
-                    if passive:
-                        tangent_law(n, state, out, constants)
-                    else:
-                        out[:] = 0.0
-                    add_stress(n, state, extra, out)
-                    for lane in range(n):
-                        at[lane] = weights[q] * volume[lane]
-                    for row in range(9):
-                        for lane in range(n):
-                            top = max(top, abs(out[row * _L + lane]))
-                    add_force(n, n_nodes, at, gradients, out, local_force)
-                    for k in range(n_multipliers):
-                        for lane in range(n):
-                            change = shapes[q, k] * at[lane] * (extra[9 * _L + lane] - 1.0)
-                            local_constraint[k * _L + lane] += change
-                    if with_tangent:
-                        add_tangent(n, state, extra, out)
-                        add_stiffness(n, n_nodes, at, gradients, out, half, local_stiffness)
-                        if n_multipliers > 0:
-                            add_constraint(
-                                n, n_nodes, n_multipliers, at, gradients, shapes[q], extra, half, local_gradient
-                            )
+    local = np.empty(3 * n_nodes * _L)
+    gradients = np.empty(3 * n_nodes * _L)
+    inverse, volume, at = np.empty(9 * _L), np.empty(_L), np.empty(_L)
+    state, out, extra, half = np.empty(15 * _L), np.empty(54 * _L), np.empty(14 * _L), np.empty(27 * _L)
+    local_force = np.empty(3 * n_nodes * _L)
+    local_constraint = np.empty((n_multipliers + 1) * _L)
+    local_stiffness = np.empty(9 * n_pairs * _L if with_tangent else 1)
+    local_gradient = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
+    for block in range(first, last):
+        top = 0.0
+        for batch in range(blocks[block, 0], blocks[block, 1]):
+            n = sizes[batch]
+            touched = nodes[batch]
+            gather(n, dimension, n_nodes, touched, displacement, local)
+            local_force[:] = 0.0
+            local_constraint[:] = 0.0
+            local_stiffness[:] = 0.0
+            local_gradient[:] = 0.0
+            for q in range(n_q):
+                if q == 0 or not affine:
+                    volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
+                shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
+                identity(n, state)
+                add_deformation(n, n_nodes, local, gradients, state)
+                point = starts[batch] + q * n
                 for lane in range(n):
-                    for a in range(n_nodes):
-                        for i in range(dimension):
-                            force[dimension * touched[a, lane] + i] += local_force[(3 * a + i) * _L + lane]
-                    for k in range(n_multipliers):
-                        constraint[multipliers[batch, k, lane]] += local_constraint[k * _L + lane]
+                    state[9 * _L + lane] = fibre[0, point + lane]
+                    state[10 * _L + lane] = fibre[1, point + lane]
+                    state[11 * _L + lane] = fibre[2, point + lane]
+                    state[12 * _L + lane] = 0.0
+                    state[13 * _L + lane] = tension[point + lane]
+                    state[14 * _L + lane] = stiffness[point + lane]
+                for k in range(n_multipliers):
+                    for lane in range(n):
+                        state[12 * _L + lane] += shapes[q, k] * pressure[multipliers[batch, k, lane]]
+                if passive:
+                    tangent_law(n, state, out, constants)
+                else:
+                    out[:] = 0.0
+                add_stress(n, state, extra, out)
+                for lane in range(n):
+                    at[lane] = weights[q] * volume[lane]
+                for row in range(9):
+                    for lane in range(n):
+                        top = max(top, abs(out[row * _L + lane]))
+                add_force(n, n_nodes, at, gradients, out, local_force)
+                for k in range(n_multipliers):
+                    for lane in range(n):
+                        change = shapes[q, k] * at[lane] * (extra[9 * _L + lane] - 1.0)
+                        local_constraint[k * _L + lane] += change
                 if with_tangent:
-                    scatter_stiffness(
-                        n, dimension, n_nodes, touched, lengths, rows, places[batch], local_stiffness, stiffness_data
-                    )
-                    scatter_gradient(
-                        n,
-                        dimension,
-                        n_nodes,
-                        n_multipliers,
-                        touched,
-                        multipliers[batch],
-                        lengths,
-                        rows,
-                        gradient_rows,
-                        gradient_places[batch],
-                        local_gradient,
-                        gradient_data,
-                    )
-            largest[block] = top
+                    add_tangent(n, state, extra, out)
+                    add_stiffness(n, n_nodes, at, gradients, out, half, local_stiffness)
+                    if n_multipliers > 0:
+                        add_constraint(n, n_nodes, n_multipliers, at, gradients, shapes[q], extra, half, local_gradient)
+            for lane in range(n):
+                for a in range(n_nodes):
+                    for i in range(dimension):
+                        force[dimension * touched[a, lane] + i] += local_force[(3 * a + i) * _L + lane]
+                for k in range(n_multipliers):
+                    constraint[multipliers[batch, k, lane]] += local_constraint[k * _L + lane]
+            if with_tangent:
+                scatter_stiffness(
+                    n, dimension, n_nodes, touched, lengths, rows, places[batch], local_stiffness, stiffness_data
+                )
+                scatter_gradient(
+                    n,
+                    dimension,
+                    n_nodes,
+                    n_multipliers,
+                    touched,
+                    multipliers[batch],
+                    lengths,
+                    rows,
+                    gradient_rows,
+                    gradient_places[batch],
+                    local_gradient,
+                    gradient_data,
+                )
+        largest[block] = top

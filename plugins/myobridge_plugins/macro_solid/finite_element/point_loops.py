@@ -1,6 +1,6 @@
-"""Loops over batches of elements that write one number a point, or one a batch: kinematics and energy.
+"""Loop over batches of elements that writes stretch, its rate and J at every point.
 
-Their arguments are those of `assembly_kernels`.
+Its arguments are those of `assembly_kernels`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit, prange, types
+from numba import njit, types
 
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.element_kernels import (
@@ -19,20 +19,21 @@ from myobridge_plugins.macro_solid.finite_element.element_kernels import (
     shape_gradients,
     volume_and_inverse,
 )
-from myobridge_plugins.macro_solid.finite_element.kernel_types import CELLS, INDEX, LAW, VECTOR
+from myobridge_plugins.macro_solid.finite_element.kernel_types import CELLS, VECTOR
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
 
-__all__ = ["energies", "kinematics"]
+__all__ = ["kinematics"]
 
 _L = LANES
 
 
 @njit(
-    types.void(types.intp, types.boolean, types.boolean, *CELLS, *(VECTOR,) * 5),
-    parallel=True,
+    types.void(types.intp, types.intp, types.intp, types.boolean, types.boolean, *CELLS, *(VECTOR,) * 5),
     **OPTIONS,
 )
 def kinematics(
+    first: Any,
+    last: Any,
     dimension: Any,
     affine: Any,
     with_rate: Any,
@@ -50,13 +51,13 @@ def kinematics(
     rate: Any,
     jacobian: Any,
 ):
-    """Fibre stretch [-], its rate [1/s] where `with_rate`, and J = det F [-] at every point."""
+    """Fibre stretch [-], its rate [1/s] where `with_rate`, and J = det F [-] at the points of a range of batches."""
     n_nodes, n_q = nodes.shape[1], weights.shape[0]
-    for batch in prange(sizes.shape[0]):
-        local, moving = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
-        gradients = np.empty(3 * n_nodes * _L)
-        inverse, volume = np.empty(9 * _L), np.empty(_L)
-        state, change = np.empty(9 * _L), np.zeros(9 * _L)
+    local, moving = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
+    gradients = np.empty(3 * n_nodes * _L)
+    inverse, volume = np.empty(9 * _L), np.empty(_L)
+    state, change = np.empty(9 * _L), np.zeros(9 * _L)
+    for batch in range(first, last):
         n = sizes[batch]
         gather(n, dimension, n_nodes, nodes[batch], displacement, local)
         if with_rate:
@@ -89,50 +90,3 @@ def kinematics(
                     + f[_L] * (f[5 * _L] * f[6 * _L] - f[3 * _L] * f[8 * _L])
                     + f[2 * _L] * (f[3 * _L] * f[7 * _L] - f[4 * _L] * f[6 * _L])
                 )
-
-
-@njit(
-    types.void(types.intp, types.boolean, *CELLS, INDEX, LAW, VECTOR, VECTOR, VECTOR),
-    parallel=True,
-    **OPTIONS,
-)
-def energies(
-    dimension: Any,
-    affine: Any,
-    sizes: Any,
-    starts: Any,
-    nodes: Any,
-    corners: Any,
-    fibre: Any,
-    weights: Any,
-    slopes: Any,
-    map_slopes: Any,
-    batches: Any,
-    energy_law: Any,
-    constants: Any,
-    displacement: Any,
-    energy: Any,
-):
-    """Passive energy [J] of each of the given `batches`."""
-    n_nodes, n_q = nodes.shape[1], weights.shape[0]
-    for index in prange(batches.shape[0]):
-        batch = batches[index]
-        local, gradients = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
-        inverse, volume = np.empty(9 * _L), np.empty(_L)
-        state, out = np.empty(15 * _L), np.empty(_L)
-        n = sizes[batch]
-        gather(n, dimension, n_nodes, nodes[batch], displacement, local)
-        total = 0.0
-        for q in range(n_q):
-            if q == 0 or not affine:
-                volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-            shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-            identity(n, state)
-            add_deformation(n, n_nodes, local, gradients, state)
-            for lane in range(n):
-                for J in range(3):
-                    state[(9 + J) * _L + lane] = fibre[J, starts[batch] + q * n + lane]
-            energy_law(n, state, out, constants)
-            for lane in range(n):
-                total += weights[q] * volume[lane] * out[lane]
-        energy[batch] = total

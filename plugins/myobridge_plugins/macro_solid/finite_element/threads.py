@@ -1,0 +1,43 @@
+"""Loops shared out among threads: compiled kernels that hold no lock, each on a part of a range.
+
+numba's own parallel loops take three times as long to compile, and its pool must not be entered by two threads at once.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+__all__ = ["available", "shared_out"]
+
+
+def available() -> int:
+    """Threads that may run: numba's number, which NUMBA_NUM_THREADS and the process's affinity limit."""
+    import numba
+
+    config: Any = numba.config  # pyright: ignore[reportPrivateImportUsage]
+    return int(config.NUMBA_NUM_THREADS)
+
+
+def shared_out(threads: int, first: int, last: int, loop: Callable[[int, int], object]) -> None:
+    """Run ``loop(a, b)`` on parts [a, b) of the range [first, last), one a thread; the caller takes the last part."""
+    threads = min(threads, last - first)
+    if threads <= 1:
+        if last > first:
+            loop(first, last)
+        return
+    bounds = [first + (last - first) * k // threads for k in range(threads + 1)]
+    others = [_pool().submit(loop, bounds[k], bounds[k + 1]) for k in range(threads - 1)]
+    try:
+        loop(bounds[-2], bounds[-1])
+    finally:
+        # Also after an interrupt: what the others write into must not outlive this call unnoticed.
+        for other in others:
+            other.result()
+
+
+@functools.lru_cache(maxsize=1)
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max_workers=max(available() - 1, 1), thread_name_prefix="assembly")
