@@ -1,6 +1,6 @@
 """One whole Newton iteration in space: against FElupe, and its growth with the number of unknowns.
 
-Run with ``pytest -m benchmark -s tests/benchmarks/test_finite_element_newton.py``; CPU time, one thread. The picture of
+Run with ``pytest -m benchmark -n 0 -s tests/benchmarks/test_finite_element_newton.py``; CPU time, one thread. The picture of
 the growth is written to the file named by the environment variable MYOBRIDGE_GROWTH_PICTURE, if any.
 """
 

@@ -1,4 +1,4 @@
-"""What the framework costs beyond its kernels: ratios in one run, printed; run with ``pytest -m benchmark -s``."""
+"""What the framework costs beyond its kernels: ratios in one run, printed; run with ``pytest -m benchmark -n 0 -s``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Two bodies in two Python threads: numba's pool of threads is entered by one loop at a time."""
+"""Two bodies in two Python threads, which share the pool of threads that assemble."""
 
 from __future__ import annotations
 
