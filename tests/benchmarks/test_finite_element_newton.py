@@ -1,7 +1,7 @@
 """One whole Newton iteration in space: against FElupe, and its growth with the number of unknowns.
 
-Run with ``pytest -m benchmark -n 0 -s tests/benchmarks/test_finite_element_newton.py``; CPU time, one thread. The picture of
-the growth is written to the file named by the environment variable MYOBRIDGE_GROWTH_PICTURE, if any.
+Run with ``pytest -m benchmark -n 0 -s tests/benchmarks/test_finite_element_newton.py``; CPU time, one thread. The
+picture of the growth is written to the file named by the environment variable MYOBRIDGE_GROWTH_PICTURE, if any.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 All solve the same problem on the same mesh: neo-Hooke in the form mu/2 (I1 - 3) - mu ln J with p (J - 1), its
 residual and its whole tangent at one state, as a Newton iteration asks for them, ready as sparse matrices. Ours carries
 the terms of the fibres' tension along, which is zero here, and assembles the gradient of the constraint once where the
-others assemble it twice. Run with ``pytest -m benchmark -n 0 -s tests/benchmarks/test_finite_element_speed.py``; peers that
-are not installed are skipped: ``pip install felupe threadpoolctl pypardiso``, ``apt install python3-dolfinx``.
+others assemble it twice. Run with ``pytest -m benchmark -n 0 -s tests/benchmarks/test_finite_element_speed.py``;
+peers that are not installed are skipped: ``pip install felupe threadpoolctl pypardiso``, ``apt install python3-dolfinx``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Linear solvers side by side: CPU seconds, memory of the process, iterations; run with ``pytest -m benchmark -n 0 -s``."""
+"""Linear solvers side by side: CPU seconds, memory, iterations; run with ``pytest -m benchmark -n 0 -s``."""
 
 from __future__ import annotations
 
