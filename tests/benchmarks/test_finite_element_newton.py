@@ -103,7 +103,7 @@ def test_growth() -> None:
     assembly = float(np.polyfit(np.log(n), np.log([run["assembly"] for run in found]), 1)[0])
     for run in found:
         print(
-            f"\n{run['unknowns']:7d} unknowns: assembly {run['assembly']:.3f} s, solve {run['solve']:.2f} s, "
+            f"\n{run['unknowns']} unknowns: assembly {run['assembly']:.3f} s, solve {run['solve']:.2f} s, "
             f"{run['iterations']} iterations, peak {run['memory'] / 1e9:.2f} GB",
             end="",
         )
@@ -131,5 +131,6 @@ def draw(found: list[dict[str, float]], exponent: float, file: Path) -> None:
     axes.set_xlabel("unknowns (P2-P1 tetrahedra, incompressible)")
     axes.set_ylabel("CPU time [s], one thread")
     axes.grid(which="both", alpha=0.2)
-    axes.legend(frameon=False)
+    axes.set_ylim(top=8.0 * total.max())
+    axes.legend(frameon=False, loc="upper left")
     FigureCanvasAgg(figure).print_png(str(file))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 from typing import Any, ClassVar, final
 
@@ -44,7 +45,7 @@ class Mumps(LinearSolver):
         return ""
 
     def factorise(self, system: LinearSystem) -> Factorisation:
-        import mumps  # pyright: ignore[reportMissingImports]
+        mumps: Any = importlib.import_module("mumps")
         import scipy.sparse as sparse
 
         whole: Any = sparse.csr_array(system.matrix())
