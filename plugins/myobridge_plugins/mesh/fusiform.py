@@ -49,7 +49,7 @@ class Fusiform(MeshSource):
     cells : int, optional
         Cells along the length, shorter where the muscle is thinner; each tendon has at least one. By default so many
         that cells in the middle are half as long again as they are wide: then no
-        tetrahedron has a scaled Jacobian below 0.1 while the length is at least 4 radii, flatness in [0.5, 1], `tendon`
+        tetrahedron has a scaled Jacobian below 0.1 while the length is at least 6 radii, flatness in [0.5, 1], `tendon`
         in [0.05, 0.2] or 0, and `end_radius` a quarter of `radius` or more.
     across : int
         Cells along each side of the square in the middle of the cross-section; the skin has four times as many around.

@@ -10,38 +10,32 @@ import skfem
 from skfem.helpers import ddot, det, grad, identity, inv, mul, transpose
 
 
-def _state(w: Any) -> tuple[Any, Any, Any]:
-    F = grad(w["displacement"]) + identity(grad(w["displacement"]))
-    return F, det(F), transpose(inv(F))
-
-
 @skfem.LinearForm
 def force(v, w):
-    F, J, inverse = _state(w)
-    return ddot(F - inverse + w["pressure"] * J * inverse, grad(v))
+    return ddot(w["stress"], grad(v))
 
 
 @skfem.LinearForm
 def constraint(q, w):
-    return (det(grad(w["displacement"]) + identity(grad(w["displacement"]))) - 1.0) * q
+    return (w["volume"] - 1.0) * q
 
 
 @skfem.BilinearForm
 def stiffness(u, v, w):
-    _, J, inverse = _state(w)
-    p = w["pressure"]
-    turned = mul(inverse, mul(transpose(grad(u)), inverse))
-    return ddot(grad(u) + turned + p * J * (ddot(inverse, grad(u)) * inverse - turned), grad(v))
+    turned = mul(w["inverse"], mul(transpose(grad(u)), w["inverse"]))
+    return ddot(grad(u) + w["turn"] * turned + w["level"] * ddot(w["inverse"], grad(u)) * w["inverse"], grad(v))
 
 
 @skfem.BilinearForm
 def gradient(u, q, w):
-    _, J, inverse = _state(w)
-    return J * ddot(inverse, grad(u)) * q
+    return ddot(w["cofactor"], grad(u)) * q
 
 
 class Solid:
-    """Four forms on a vector basis of quadratic and a basis of linear tetrahedra."""
+    """Four forms on a vector basis of quadratic and a basis of linear tetrahedra.
+
+    What does not depend on the test functions is worked out before, and not in the forms, which run for every pair.
+    """
 
     name = f"scikit-fem {skfem.__version__}"
 
@@ -63,7 +57,11 @@ class Solid:
 
     def sums(self) -> Any:
         """Two vectors and two matrices."""
-        at = {"displacement": self._u.interpolate(self._fields[0]), "pressure": self._p.interpolate(self._fields[1])}
+        slope, p = grad(self._u.interpolate(self._fields[0])), np.asarray(self._p.interpolate(self._fields[1]))
+        F = slope + identity(slope)
+        J, inverse = det(F), transpose(inv(F))
+        at = {"stress": F - inverse + p * J * inverse, "volume": J, "cofactor": J * inverse}
+        at |= {"inverse": inverse, "turn": 1.0 - p * J, "level": p * J}
         vectors = force.assemble(self._u, **at), constraint.assemble(self._p, **at)
         return *vectors, stiffness.assemble(self._u, **at), gradient.assemble(self._u, self._p, **at)
 
