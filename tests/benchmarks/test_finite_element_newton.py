@@ -20,7 +20,8 @@ pytestmark = [pytest.mark.benchmark, pytest.mark.usefixtures("one_blas_thread")]
 
 SCRIPT = Path(__file__).parent / "solids" / "cantilever.py"
 CELLS = (14, 8, 8)  # 25 491 unknowns
-GROWTH = (5, 6, 8, 10, 12, 14, 16)  # 7 thousand to 203 thousand unknowns
+PASSES = 3
+GROWTH = (5, 6, 8, 10, 12, 14, 16)  # 7656 to 218 625 unknowns
 
 
 def felupe_iteration(module: Any, ours: Any, solver: Any) -> Any:
@@ -96,7 +97,9 @@ def run_alone(cells: int, solver: str) -> dict[str, float]:
 
 def test_growth() -> None:
     """Assembly + solve by `amg_gmres`; wanted: at most N^1.2 from 6k to 200k unknowns, which fit in 8 GB."""
-    found = [run_alone(cells, "amg_gmres") for cells in GROWTH]
+    # All sizes, and all again: what else runs meanwhile doubles a time.
+    passes = [[run_alone(cells, "amg_gmres") for cells in GROWTH] for _ in range(PASSES)]
+    found = [{key: min(run[key] for run in runs) for key in runs[0]} for runs in zip(*passes, strict=True)]
     n = np.array([run["unknowns"] for run in found])
     total = np.array([run["assembly"] + run["solve"] for run in found])
     exponent = float(np.polyfit(np.log(n), np.log(total), 1)[0])
