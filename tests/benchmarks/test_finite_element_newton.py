@@ -20,7 +20,7 @@ pytestmark = [pytest.mark.benchmark, pytest.mark.usefixtures("one_blas_thread")]
 
 SCRIPT = Path(__file__).parent / "solids" / "cantilever.py"
 CELLS = (14, 8, 8)  # 25 491 unknowns
-PASSES = 3
+PASSES = 2
 GROWTH = (5, 6, 8, 10, 12, 14, 16)  # 7656 to 218 625 unknowns
 
 

@@ -21,9 +21,9 @@ __all__ = ["Pardiso"]
 # Kinds of matrices, in PARDISO's numbers.
 _SYMMETRIC, _GENERAL = -2, 11
 _ANALYSE_AND_FACTORISE, _SOLVE, _RELEASE = 12, 33, -1
-# iparm by PARDISO's own numbers, counted from 1: own values, nested dissection, refinements only after
-# perturbed pivots (`DirectFactorisation` has its own), perturbation 1e-8, scaling, matching, 1x1 and 2x2 pivots. Without scaling and matching a saddle matrix of 26k rows had 152 perturbed
-# pivots and a residual of 5e-9.
+# iparm by PARDISO's own numbers, counted from 1: own values, nested dissection, refinements only after perturbed pivots
+# (`DirectFactorisation` has its own), perturbation 1e-8, scaling, matching, 1x1 and 2x2 pivots. Without scaling and
+# matching a saddle matrix of 26k rows had 152 perturbed pivots and a residual of 5e-9.
 _SETTINGS = {1: 1, 2: 3, 8: 0, 10: 8, 11: 1, 13: 1, 21: 1}
 _GENERAL_SETTINGS = {**_SETTINGS, 10: 13}
 
