@@ -135,7 +135,7 @@ class StaticRun:
         if np.any(negative < 0):
             said.append(
                 f"whether {int(np.sum(negative < 0))} of {negative.size} states are stable is not known: the body is "
-                "too large for SuperLU's factors; python-mumps or pypardiso, where installed, would tell"
+                "too large for the proof; a direct solver that tells the inertia would tell (myobridge plugins)"
             )
         return "; ".join(said)
 

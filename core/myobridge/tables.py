@@ -96,8 +96,8 @@ def solver_choice(plan: Plan) -> str:
     given = getattr(getattr(method, "newton", None), "linear", None)
     if given is not None:
         return f"{type(given).__name__}, as the scene says"
-    name, reason = choice_of(solid)
-    return f"{name} ({reason})"
+    chosen = choice_of(solid)
+    return f"{chosen.name} ({chosen.reason})"
 
 
 def sizes_table(plan: Plan) -> Table:

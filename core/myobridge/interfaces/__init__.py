@@ -10,7 +10,7 @@ from myobridge.interfaces.continuation import (
 from myobridge.interfaces.coupling import CouplingScheme
 from myobridge.interfaces.cross_bridge import CrossBridgeModel, Fluxes, Promises
 from myobridge.interfaces.fibre import Fibres, Overlap, SarcomereDensity
-from myobridge.interfaces.linear_solver import Factorisation, LinearSolver, LinearSystem
+from myobridge.interfaces.linear_solver import Factorisation, LinearSolver, LinearSystem, SystemSize
 from myobridge.interfaces.load import Load, Surface
 from myobridge.interfaces.macro_solid import Balance, MacroSolid, Matrix, Motion, VisibleMesh
 from myobridge.interfaces.material import Material, MaterialFunctions
@@ -56,6 +56,7 @@ __all__ = [
     "StepReport",
     "StepResult",
     "Surface",
+    "SystemSize",
     "TimeIntegrator",
     "VisibleMesh",
 ]

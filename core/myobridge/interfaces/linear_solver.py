@@ -9,7 +9,7 @@ step), `C` compliance of the constraint, zero for strict incompressibility.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import attrs
 
@@ -19,7 +19,18 @@ from myobridge.interfaces.macro_solid import Matrix
 if TYPE_CHECKING:
     from myobridge.solvers.inertia import Inertia
 
-__all__ = ["Factorisation", "LinearSolver", "LinearSystem"]
+__all__ = ["Factorisation", "LinearSolver", "LinearSystem", "SystemSize"]
+
+
+class SystemSize(NamedTuple):
+    """What a solver is told before there is a matrix: unknowns with multipliers, and 2 or 3 for the dimension.
+
+    `structured`: whether the fields and their rigid motions are known; without, iterations have nothing to stand on.
+    """
+
+    n_unknowns: int
+    dimension: int
+    structured: bool = True
 
 
 @attrs.frozen(eq=False)
@@ -108,9 +119,18 @@ class Factorisation(ABC):
 
 
 class LinearSolver(ABC):
-    """Abstract linear solver; its settings are the attributes of a frozen class."""
+    """Abstract linear solver; its settings are the attributes of a frozen class.
+
+    Class attributes
+    ----------------
+    summary : str
+        One line for ``myobridge plugins``.
+    tells_inertia : bool
+        Whether its factorisations know the signs of the eigenvalues, or look for them.
+    """
 
     summary: ClassVar[str] = ""
+    tells_inertia: ClassVar[bool] = False
 
     @abstractmethod
     def factorise(self, system: LinearSystem) -> Factorisation:
@@ -121,6 +141,13 @@ class LinearSolver(ABC):
         SingularMatrix
             If it has no inverse.
         """
+
+    def seconds(self, size: SystemSize) -> float | None:
+        """Roughly, CPU seconds of one system of this size; None where the solver is not for it.
+
+        Where a scene names no solver the cheapest is taken: what counts is where the solvers cross.
+        """
+        return None
 
     def obstacle(self) -> str:
         """Why the solver cannot be used on this machine (a package that is missing); empty where it can."""

@@ -1,7 +1,7 @@
 """Solvers: Newton and linear algebra, a public service that integrators and continuation share."""
 
 from myobridge.interfaces import NewtonResult
-from myobridge.solvers.choice import Automatic, Choice, choice_for, choice_of, choose, factorise
+from myobridge.solvers.choice import Automatic, Choice, choice_for, choice_of, choose, factorise, installed
 from myobridge.solvers.explicit import acceleration
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
 from myobridge.solvers.linear import (
@@ -39,6 +39,7 @@ __all__ = [
     "factorise",
     "implicit_stage",
     "inertia",
+    "installed",
     "is_round_off",
     "iterate",
     "kinetic_energy",

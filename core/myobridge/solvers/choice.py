@@ -1,64 +1,55 @@
-"""Which linear solver: chosen by what is installed and by how much the factors of the matrix would fill in."""
+"""Which linear solver: the cheapest of those that are installed, by what each says of a system of this size."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar, NamedTuple, final
 
 import attrs
 import numpy as np
 
 from myobridge.errors import PluginError
-from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, MacroSolid, Matrix
+from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, MacroSolid, Matrix, SystemSize
 from myobridge.solvers.dense import DenseFactorisation
 from myobridge.solvers.inertia import Inertia
 
-__all__ = ["Automatic", "Choice", "choice_for", "choice_of", "choose", "factorise"]
+__all__ = ["Automatic", "Choice", "choice_for", "choice_of", "choose", "factorise", "installed", "size_of"]
 
 # Below this size LAPACK on the whole matrix costs less than any analysis of its pattern.
 _DENSE = 120
-# Unknowns above which MUMPS and PARDISO, where present, win over SuperLU.
-_SMALL = 2_000
-# Unknowns beyond which the factors of any solver take more than 8 GB.
-_FACTORS = {2: 2_000_000, 3: 120_000}
-# Unknowns up to which SuperLU wins over AMG-GMRES, in the plane and in space.
-_SUPERLU = {2: 250_000, 3: 8_000}
 
 
 class Choice(NamedTuple):
-    """Name of a registered solver, and the reason for it in words."""
+    """Name of a solver, the reason for it in words, and the solver; None where LAPACK does it, without a plugin."""
 
     name: str
     reason: str
+    solver: LinearSolver | None = None
 
 
-def choose(
-    n_unknowns: int, dimension: int, available: frozenset[str] | None = None, *, structured: bool = True
-) -> Choice:
-    """The solver for systems of this size.
+def choose(size: SystemSize, solvers: Mapping[str, LinearSolver] | None = None) -> Choice:
+    """The solver for systems of this size: the one that says that it takes the least time.
 
     Parameters
     ----------
-    n_unknowns : int
-        Displacements and multipliers.
-    dimension : int
-        2 or 3: in space factors fill in far more.
-    available : frozenset of str, optional
-        Names of solvers that can be used; by default those that are registered and have no obstacle.
-    structured : bool
-        Whether the fields and their rigid motions are known; without, iterations have nothing to stand on.
+    solvers : mapping, optional
+        Solvers by name; by default those that are registered and have no obstacle.
+
+    Raises
+    ------
+    PluginError
+        If none is for such a system.
     """
-    present = _available() if available is None else available
-    size = f"{n_unknowns} unknowns in {dimension}D"
-    if _SMALL < n_unknowns <= _FACTORS[dimension] or not structured:
-        for name, package in (("pardiso", "pypardiso"), ("mumps", "python-mumps")):
-            if name in present:
-                return Choice(name, f"{size}, and {package} is installed")
-    limit = _SUPERLU[dimension]
-    if n_unknowns <= limit:
-        return Choice("superlu", f"{size}, direct up to {limit}")
-    if not structured or "amg_gmres" not in present:
-        return Choice("superlu", f"{size}: without its rigid motions no iterative solver suits the matrix")
-    return Choice("amg_gmres", f"{size}: beyond {limit} factors cost more than iterations")
+    told = {name: (one, one.seconds(size)) for name, one in (installed() if solvers is None else solvers).items()}
+    costs = sorted((cost, name) for name, (_, cost) in told.items() if cost is not None)
+    said = f"{size.n_unknowns} unknowns in {size.dimension}D"
+    if not costs:
+        raise PluginError(f"no installed linear solver is for a system of {said}; see 'myobridge plugins'")
+    cost, name = costs[0]
+    reason = f"{said}: about {cost:.2g} s a system"
+    if len(costs) > 1:
+        reason += f", {costs[1][1]} {costs[1][0]:.2g} s"
+    return Choice(name, reason, told[name][0])
 
 
 def choice_for(system: LinearSystem) -> Choice:
@@ -67,7 +58,7 @@ def choice_for(system: LinearSystem) -> Choice:
     whole = isinstance(system.stiffness, np.ndarray) and system.gradient is None
     if n <= _DENSE or whole:
         return Choice("dense", f"{n} unknowns" + (", all coupled" if n > _DENSE else ""))
-    return choose(n, _dimension(system), structured=system.rigid_motions is not None)
+    return choose(size_of(system))
 
 
 def choice_of(solid: MacroSolid) -> Choice:
@@ -76,9 +67,24 @@ def choice_of(solid: MacroSolid) -> Choice:
     motions = solid.rigid_motions()
     if n <= _DENSE:
         return Choice("dense", f"{n} unknowns")
-    if motions is None:
-        return choose(n, 2, structured=False)
-    return choose(n, 3 if motions.shape[1] > 3 else 2)
+    dimension = 3 if motions is not None and motions.shape[1] > 3 else 2
+    return choose(SystemSize(n, dimension, structured=motions is not None))
+
+
+def size_of(system: LinearSystem) -> SystemSize:
+    """Size of a system, as a solver is asked about it."""
+    return SystemSize(system.n_unknowns, _dimension(system), structured=system.rigid_motions is not None)
+
+
+def installed(*, telling_inertia: bool = False) -> dict[str, LinearSolver]:
+    """Registered solvers that can be used here, by name; if wanted those only that tell the inertia."""
+    from myobridge.registry import registry
+
+    found = registry()
+    built = {name: found.find("linear_solver", name).cls() for name in found.names("linear_solver")}
+    return {
+        name: one for name, one in built.items() if not one.obstacle() and (one.tells_inertia or not telling_inertia)
+    }
 
 
 @final
@@ -89,12 +95,10 @@ class Automatic(LinearSolver):
     summary: ClassVar[str] = "the solver that suits the size of the system and the packages that are installed"
 
     def factorise(self, system: LinearSystem) -> Factorisation:
-        name, reason = choice_for(system)
-        if name == "dense":
+        _, reason, solver = choice_for(system)
+        if solver is None:
             return DenseFactorisation(_dense(system.matrix()), symmetric=system.symmetric)
-        from myobridge.registry import registry
-
-        return _Chosen(registry().find("linear_solver", name).cls().factorise(system), reason)
+        return _Chosen(solver.factorise(system), reason)
 
 
 @final
@@ -148,11 +152,3 @@ def _dimension(system: LinearSystem) -> int:
     stiffness = system.stiffness
     entries = stiffness.size if isinstance(stiffness, np.ndarray) else stiffness.nnz
     return 3 if entries > 35 * stiffness.shape[0] else 2
-
-
-def _available() -> frozenset[str]:
-    from myobridge.registry import registry
-
-    found = registry()
-    names = found.names("linear_solver")
-    return frozenset(name for name in names if not found.find("linear_solver", name).cls().obstacle())

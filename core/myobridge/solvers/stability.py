@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from myobridge.errors import PluginError
 from myobridge.interfaces import Factorisation, LinearSystem
-from myobridge.solvers.choice import choice_for, factorise
+from myobridge.solvers.choice import choice_for, choose, installed, size_of
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
 
 __all__ = ["stability"]
@@ -12,9 +13,9 @@ __all__ = ["stability"]
 def stability(system: LinearSystem, factorisation: Factorisation | None = None) -> int:
     r"""Number of unstable directions: negative eigenvalues of the saddle matrix beyond its ``n_constraints``.
 
-    Asked first is the factorisation, which may have counted its pivots; then, where the factors of SuperLU fit, comes
-    the proof by `inertia`; else the solver that suits the system, which may count fewer unstable directions than there
-    are.
+    Asked first is the factorisation, which may have counted its pivots; then the solver that suits the system, where it
+    tells the inertia: one that iterates may count fewer unstable directions than there are; else comes the proof by
+    `inertia`.
 
     Parameters
     ----------
@@ -32,27 +33,28 @@ def stability(system: LinearSystem, factorisation: Factorisation | None = None) 
     """
     known = None if factorisation is None else factorisation.inertia()
     if known is None:
-        suited = choice_for(system).name
-        if suited in ("dense", "superlu"):
+        solver = choice_for(system).solver
+        if solver is None or not solver.tells_inertia:
             known = _proven(system)
         elif factorisation is None:
-            known = factorise(system).inertia()
+            known = solver.factorise(system).inertia()
     if known is None:
         raise InertiaUnknown(
             f"the eigenvalues of a system of {system.n_unknowns} unknowns were not counted: no factorisation that "
-            "tells its inertia fits, and the iterations that look for a negative one did not settle. Install pypardiso "
-            "or python-mumps to have them counted"
+            "tells its inertia fits, and the iterations that look for a negative one did not settle. A direct solver "
+            "that tells the inertia would (myobridge plugins lists them)"
         )
     return max(known.negative - system.n_constraints, 0)
 
 
 def _proven(system: LinearSystem) -> Inertia | None:
-    """Inertia by proof; where the factors grow too much for one, by the solver that looks for unstable directions."""
+    """Inertia by proof; where the factors grow too much for one, by a solver that tells it."""
     try:
         return inertia(system.matrix(), system.n_constraints)
-    except InertiaUnknown:
-        if system.rigid_motions is None:
-            raise
-    from myobridge.registry import registry
-
-    return registry().find("linear_solver", "amg_gmres").cls().factorise(system).inertia()
+    except InertiaUnknown as error:
+        try:
+            solver = choose(size_of(system), installed(telling_inertia=True)).solver
+        except PluginError:
+            raise error from None
+    assert solver is not None
+    return solver.factorise(system).inertia()

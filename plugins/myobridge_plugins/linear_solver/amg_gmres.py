@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem
+from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, SystemSize
 from myobridge.parameters import integer
 from myobridge.solvers import Inertia, SingularMatrix, UnsolvedSystem
 from myobridge_plugins.linear_solver.smallest_eigenvalues import judged
@@ -50,10 +50,16 @@ class AmgGmres(LinearSolver):
     .. [2] H. Elman, D. Silvester, A. Wathen, Finite Elements and Fast Iterative Solvers (2014), chapter 4.
     """
 
+    tells_inertia: ClassVar[bool] = True
     summary: ClassVar[str] = "GMRES with algebraic multigrid (pyamg), for large bodies in space"
 
     restart: int = integer(100, within="[10, inf)", doc="iterations between restarts of GMRES")
     max_iterations: int = integer(400, within="[1, inf)", doc="iterations after which a system is given up")
+
+    def seconds(self, size: SystemSize) -> float | None:
+        if not size.structured:
+            return None
+        return 0.75 * (size.n_unknowns / 8e3) ** 1.2 if size.dimension == 3 else 3.0 * size.n_unknowns / 58e3
 
     def factorise(self, system: LinearSystem) -> Factorisation:
         return _Multigrid(self, system)

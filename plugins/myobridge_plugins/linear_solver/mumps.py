@@ -10,9 +10,9 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Factorisation, LinearSolver, LinearSystem
+from myobridge.interfaces import Factorisation, LinearSolver, LinearSystem, SystemSize
 from myobridge.solvers import Inertia, SingularMatrix
-from myobridge_plugins.linear_solver.direct import DirectFactorisation
+from myobridge_plugins.linear_solver.direct import DirectFactorisation, multifrontal_seconds
 
 __all__ = ["Mumps"]
 
@@ -36,6 +36,7 @@ class Mumps(LinearSolver):
     .. [1] P. R. Amestoy, I. S. Duff, J. Koster, J.-Y. L'Excellent, SIAM J. Matrix Anal. Appl. 23 (2001) 15-41.
     """
 
+    tells_inertia: ClassVar[bool] = True
     summary: ClassVar[str] = "MUMPS where python-mumps is installed (conda, or built by hand); tells the inertia"
 
     def obstacle(self) -> str:
@@ -43,6 +44,11 @@ class Mumps(LinearSolver):
         if importlib.util.find_spec("mumps") is None or importlib.util.find_spec("mumps._mumps") is None:
             return "the package python-mumps is absent: conda install -c conda-forge python-mumps"
         return ""
+
+    def seconds(self, size: SystemSize) -> float | None:
+        pardiso = multifrontal_seconds(size)
+        # As fast with a good BLAS; with the reference one two to four times slower.
+        return None if pardiso is None else 1.1 * pardiso
 
     def factorise(self, system: LinearSystem) -> Factorisation:
         mumps: Any = importlib.import_module("mumps")

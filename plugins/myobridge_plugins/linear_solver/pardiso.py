@@ -12,9 +12,9 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem
+from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, SystemSize
 from myobridge.solvers import Inertia, SingularMatrix
-from myobridge_plugins.linear_solver.direct import DirectFactorisation
+from myobridge_plugins.linear_solver.direct import DirectFactorisation, multifrontal_seconds
 
 __all__ = ["Pardiso"]
 
@@ -43,12 +43,16 @@ class Pardiso(LinearSolver):
     .. [1] O. Schenk, K. Gaertner, Electron. Trans. Numer. Anal. 23 (2006) 158-179.
     """
 
+    tells_inertia: ClassVar[bool] = True
     summary: ClassVar[str] = "PARDISO of Intel's MKL (pip install 'myobridge[pardiso]'); tells the inertia"
 
     def obstacle(self) -> str:
         if importlib.util.find_spec("pypardiso") is None:
             return "the package pypardiso is absent: pip install 'myobridge[pardiso]' (x86 only, MKL is proprietary)"
         return ""
+
+    def seconds(self, size: SystemSize) -> float | None:
+        return multifrontal_seconds(size)
 
     def factorise(self, system: LinearSystem) -> Factorisation:
         import scipy.sparse as sparse
