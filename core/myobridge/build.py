@@ -48,18 +48,8 @@ def build(
     except PluginError as error:
         raise ParameterError("plugin", str(error)) from None
     cls = found.cls
-    said = declared(cls)
     values = {**_parameter_set(cls, values), **values}
-    for key in values:
-        if key not in said:
-            raise ParameterError(key, f"is unknown to '{table['plugin']}'. {nearest(key, {*said, 'plugin'})}")
-    if effects is not None:
-        _apply_effects(said, values, effects)
-    for key, item in said.items():
-        if key in values:
-            values[key] = _value(registry, key, item, values[key], effects, folder)
-        elif _required(cls, key):
-            raise ParameterError(key, f"is missing; '{table['plugin']}' needs {item.allowed()}: {item.doc}")
+    values = _filled(registry, cls, values, effects, folder, str(table["plugin"]))
     try:
         return cls(**values)
     except MyobridgeError:
@@ -93,25 +83,38 @@ def _apply_effects(said: Mapping[str, Declaration], values: dict[str, Any], effe
             values[key] = item.on
 
 
-def _record(
-    registry: Registry, cls: type[Any], table: Any, effects: Collection[str] | None, folder: Path | None
-) -> Any:
-    """Instance of a class of declared parameters that is no plugin."""
+def _filled(
+    registry: Registry,
+    cls: type[Any],
+    values: dict[str, Any],
+    effects: Collection[str] | None,
+    folder: Path | None,
+    plugin: str = "",
+) -> dict[str, Any]:
+    """Values of the declared parameters of a class: known ones only, effects applied, parts built, none missing."""
     said = declared(cls)
-    if not isinstance(table, Mapping):
-        raise ParameterError("", f"is {table!r}; expected a table with {', '.join(said)}")
-    values = dict(table)
     for key in values:
         if key not in said:
-            raise ParameterError(key, f"is unknown. {nearest(key, said)}")
+            whom, allowed = (f" to '{plugin}'", {*said, "plugin"}) if plugin else ("", set(said))
+            raise ParameterError(key, f"is unknown{whom}. {nearest(key, allowed)}")
     if effects is not None:
         _apply_effects(said, values, effects)
     for key, item in said.items():
         if key in values:
             values[key] = _value(registry, key, item, values[key], effects, folder)
         elif _required(cls, key):
-            raise ParameterError(key, f"is missing; expected {item.allowed()}: {item.doc}")
-    return cls(**values)
+            needs = f"'{plugin}' needs" if plugin else "expected"
+            raise ParameterError(key, f"is missing; {needs} {item.allowed()}: {item.doc}")
+    return values
+
+
+def _record(
+    registry: Registry, cls: type[Any], table: Any, effects: Collection[str] | None, folder: Path | None
+) -> Any:
+    """Instance of a class of declared parameters that is no plugin."""
+    if not isinstance(table, Mapping):
+        raise ParameterError("", f"is {table!r}; expected a table with {', '.join(declared(cls))}")
+    return cls(**_filled(registry, cls, dict(table), effects, folder))
 
 
 def _item(

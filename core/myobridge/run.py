@@ -11,9 +11,10 @@ from typing import Any
 from myobridge.errors import SceneError
 from myobridge.interfaces import StepReport
 from myobridge.interrupts import postponed
+from myobridge.kept_file import KeptFile
 from myobridge.plan import Plan
 from myobridge.recording import Record, Recorder
-from myobridge.results import Checkpoint, Result, check_writable, provenance
+from myobridge.results import Checkpoint, Result
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
 from myobridge.static_run import StaticRun
@@ -62,11 +63,13 @@ class Run:
     ) -> None:
         self.simulation = simulation
         self.recorder = Recorder(record or Record(), simulation)
-        self.output = None if output is None else check_writable(output)
+        self._file = KeptFile(output, scene, plugins, folder)
         self.recording_seconds = 0.0
-        self._written = self._saving = 0.0
-        self._scene = scene
-        self._provenance = provenance(plugins or {}) | {"folder": str((folder or Path()).resolve())}
+
+    @property
+    def output(self) -> Path | None:
+        """File that is kept; None where the result lives in memory only."""
+        return self._file.path
 
     def to(
         self,
@@ -95,7 +98,7 @@ class Run:
         """
         simulation, recorder = self.simulation, self.recorder
         recorder.observe(simulation)
-        self._written = time.perf_counter()
+        self._file.begin()
         stop = end if until is None else min(until, end)
         with postponed() as interrupts:
             while not simulation.finished(stop):
@@ -106,7 +109,7 @@ class Run:
                     raise
                 started = time.perf_counter()
                 recorder.observe(simulation, last=simulation.finished(stop))
-                self._save_if_due()
+                self._file.save_if_due(self.result, self.recorder.record.checkpoint_every)
                 self.recording_seconds += time.perf_counter() - started
                 try:
                     if after_step is not None:
@@ -117,23 +120,13 @@ class Run:
                     raise
             return self._keep()
 
-    def _save_if_due(self) -> None:
-        now = time.perf_counter()
-        # A file costs at most a twentieth of the run, however large it has grown.
-        due = max(self.recorder.record.checkpoint_every, 20.0 * self._saving)
-        if self.output is None or now - self._written <= due:
-            return
-        self.result().save(self.output)
-        self._written = time.perf_counter()
-        self._saving = self._written - now
-
     def result(self) -> Result:
         """Result so far."""
         return Result(
             self.recorder.series(),
             tuple(self.recorder.snapshots),
-            self._scene,
-            self._provenance,
+            self._file.scene,
+            self._file.provenance,
             Checkpoint.take(self.simulation),
             self.recorder.columns,
             self.recorder.body.mesh,
@@ -142,10 +135,7 @@ class Run:
 
     def _keep(self) -> Result:
         self.recorder.observe(self.simulation, last=True)
-        result = self.result()
-        if self.output is not None:
-            result.save(self.output)
-        return result
+        return self._file.save(self.result())
 
 
 def run(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,8 +13,9 @@ import numpy as np
 from myobridge.errors import ContinuationFailed, MyobridgeError
 from myobridge.interfaces import ContinuationPath, PathPoint
 from myobridge.interrupts import postponed
+from myobridge.kept_file import KeptFile
 from myobridge.recording import Record
-from myobridge.results import Result, check_writable, provenance
+from myobridge.results import Result
 from myobridge.static_recording import PathRecorder
 from myobridge.statics import Statics
 
@@ -61,10 +61,12 @@ class StaticRun:
     ) -> None:
         self.statics = statics
         self.recorder = PathRecorder(record or Record(), statics)
-        self.output = None if output is None else check_writable(output)
-        self._written = self._saving = 0.0
-        self._scene = scene
-        self._provenance = provenance(plugins or {}) | {"folder": str((folder or Path()).resolve())}
+        self._file = KeptFile(output, scene, plugins, folder)
+
+    @property
+    def output(self) -> Path | None:
+        """File that is kept; None where the result lives in memory only."""
+        return self._file.path
 
     @property
     def finished(self) -> bool:
@@ -93,12 +95,12 @@ class StaticRun:
         """
         if self.finished:
             return self._keep()
-        self._written = time.perf_counter()
+        self._file.begin()
         with postponed() as interrupts:
 
             def watch(point: PathPoint) -> None:
                 self.recorder.observe(point)
-                self._save_if_due()
+                self._file.save_if_due(self.result, self.recorder.record.checkpoint_every)
                 if after_point is not None:
                     after_point(self.statics, point)
                 interrupts.check()
@@ -145,8 +147,8 @@ class StaticRun:
         return Result(
             recorder.series(),
             (),
-            self._scene,
-            self._provenance,
+            self._file.scene,
+            self._file.provenance,
             recorder.checkpoint(),
             recorder.columns,
             recorder.mesh,
@@ -189,18 +191,5 @@ class StaticRun:
         failure.result = result
         return failure
 
-    def _save_if_due(self) -> None:
-        now = time.perf_counter()
-        # A file costs at most a twentieth of the run, however large it has grown.
-        due = max(self.recorder.record.checkpoint_every, 20.0 * self._saving)
-        if self.output is None or now - self._written <= due:
-            return
-        self.result().save(self.output)
-        self._written = time.perf_counter()
-        self._saving = self._written - now
-
     def _keep(self) -> Result:
-        result = self.result()
-        if self.output is not None:
-            result.save(self.output)
-        return result
+        return self._file.save(self.result())

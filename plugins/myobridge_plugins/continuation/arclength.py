@@ -20,9 +20,9 @@ from myobridge.interfaces import (
 )
 from myobridge.parameters import integer, number, part
 from myobridge.solvers import Ordinary, SingularMatrix, UnsolvedSystem, bordered, solve
-from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, length, slope
+from myobridge_plugins.continuation.equilibrium import accepted, length, slope
 from myobridge_plugins.continuation.in_plane import InPlane
-from myobridge_plugins.continuation.stops import Watch, keep, next_stop
+from myobridge_plugins.continuation.stops import Watch, begin_path, keep, next_stop
 
 __all__ = ["Arclength"]
 
@@ -119,11 +119,8 @@ class Arclength(ContinuationStrategy):
         earlier: Sequence[PathPoint] = (),
     ) -> ContinuationPath:
         points = list(earlier)
-        if not points:
-            first = equilibrium(problem, start, 0.0, self.newton or _ORDINARY)
-            if not first.converged:
-                return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
-            keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
+        if complaint := begin_path(points, problem, start, self.newton or _ORDINARY, watch):
+            return ContinuationPath((), False, complaint)
         direction = self._first_direction(problem, points)
         if direction is None:
             return ContinuationPath(

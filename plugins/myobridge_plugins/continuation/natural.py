@@ -18,7 +18,7 @@ from myobridge.interfaces import (
 )
 from myobridge.parameters import integer, number, part
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, length, slope
-from myobridge_plugins.continuation.stops import Watch, keep, next_stop
+from myobridge_plugins.continuation.stops import Watch, begin_path, keep, next_stop
 
 __all__ = ["Natural"]
 
@@ -80,11 +80,8 @@ class Natural(ContinuationStrategy):
         earlier: Sequence[PathPoint] = (),
     ) -> ContinuationPath:
         points = list(earlier)
-        if not points:
-            first = equilibrium(problem, start, 0.0, self.newton)
-            if not first.converged:
-                return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {first.reason}.")
-            keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
+        if complaint := begin_path(points, problem, start, self.newton, watch):
+            return ContinuationPath((), False, complaint)
         ahead = slope(problem, points[-1].unknowns, points[-1].level)
         halvings, spent = 0, 0
         while points[-1].level < 1.0:

@@ -1,14 +1,32 @@
-"""Levels at which a path must have a point."""
+"""How a path begins, where it must have a point, and how its points are kept."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from myobridge.interfaces import PathPoint
+from myobridge.interfaces import Array, ContinuationProblem, NewtonMethod, PathPoint
+from myobridge_plugins.continuation.equilibrium import accepted, equilibrium
 
-__all__ = ["Watch", "keep", "next_stop"]
+__all__ = ["Watch", "begin_path", "keep", "next_stop"]
 
 Watch = Callable[[PathPoint], object]
+
+
+def begin_path(
+    points: list[PathPoint],
+    problem: ContinuationProblem,
+    start: Array,
+    method: NewtonMethod | None,
+    watch: Watch | None,
+) -> str:
+    """Put the equilibrium at level 0 to an empty path; why there is none, where there is none."""
+    if points:
+        return ""
+    first = equilibrium(problem, start, 0.0, method)
+    if not first.converged:
+        return f"no equilibrium at level 0 from the given start: {first.reason}."
+    keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)
+    return ""
 
 
 def next_stop(points: Sequence[PathPoint], stops: Sequence[float]) -> float:
