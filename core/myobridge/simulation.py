@@ -198,11 +198,12 @@ class Simulation:
         external = report.external_work
         if self.solid.n_unknowns == 0:
             external += kinetic - self.ledger.kinetic
-        flows = {"external": external, "viscous": report.viscous_work}
+        flows = {"external": external, "viscous": report.viscous_work, "numerical": report.numerical_work}
         bus = self.bus
         if bus is not None:
             totals = bus.totals
-            flows |= {"attached": totals.attached, "detached": totals.detached, "numerical": totals.numerical}
+            flows |= {"attached": totals.attached, "detached": totals.detached}
+            flows["numerical"] += totals.numerical
             if not bus.model.has_energy:
                 flows["active_work"] = report.active_work
         self.ledger.close(kinetic=kinetic, elastic=elastic, cross_bridge=cross_bridge, **flows)

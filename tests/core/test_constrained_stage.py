@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from myobridge.interfaces import (
     Balance,
-    Factorisation,
+    KeptTangent,
     LinearSystem,
     MacroSolid,
     Motion,
@@ -160,7 +160,7 @@ class Quad(Toy):
 class Checked(NewtonMethod):
     """The ordinary method, after a look at the tangent where it starts: differences of the residual, 4th order."""
 
-    def solve(self, problem: NewtonProblem, start: np.ndarray, kept: Factorisation | None = None) -> NewtonResult:
+    def solve(self, problem: NewtonProblem, start: np.ndarray, kept: KeptTangent | None = None) -> NewtonResult:
         x = start + 0.01 * np.cos(np.arange(start.size))
         tangent = problem.tangent(x)
         assert isinstance(tangent, LinearSystem)

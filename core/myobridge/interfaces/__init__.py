@@ -12,10 +12,11 @@ from myobridge.interfaces.cross_bridge import CrossBridgeModel, Fluxes, Promises
 from myobridge.interfaces.fibre import Fibres, Overlap, SarcomereDensity
 from myobridge.interfaces.linear_solver import Factorisation, LinearSolver, LinearSystem, SystemSize
 from myobridge.interfaces.load import Load, Surface
-from myobridge.interfaces.macro_solid import Balance, MacroSolid, Matrix, Motion, VisibleMesh
+from myobridge.interfaces.macro_solid import MacroSolid
 from myobridge.interfaces.material import Material, MaterialFunctions
 from myobridge.interfaces.mesh import MeshSource
-from myobridge.interfaces.newton import NewtonMethod, NewtonProblem, NewtonResult, NewtonStep
+from myobridge.interfaces.motion import Balance, Matrix, Motion, VisibleMesh, Works
+from myobridge.interfaces.newton import KeptTangent, NewtonMethod, NewtonProblem, NewtonResult, NewtonStep
 from myobridge.interfaces.signal import ActivationKinetics, Signal
 from myobridge.interfaces.time_integrator import Memory, StepReport, StepResult, TimeIntegrator
 
@@ -33,6 +34,7 @@ __all__ = [
     "Factorisation",
     "Fibres",
     "Fluxes",
+    "KeptTangent",
     "LawValue",
     "LinearSolver",
     "LinearSystem",
@@ -59,4 +61,5 @@ __all__ = [
     "SystemSize",
     "TimeIntegrator",
     "VisibleMesh",
+    "Works",
 ]

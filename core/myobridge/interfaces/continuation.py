@@ -17,7 +17,7 @@ import numpy as np
 
 from myobridge.interfaces.active_law import Array
 from myobridge.interfaces.linear_solver import LinearSystem
-from myobridge.interfaces.macro_solid import Matrix
+from myobridge.interfaces.motion import Matrix
 
 __all__ = ["ContinuationPath", "ContinuationProblem", "ContinuationStrategy", "PathPoint"]
 

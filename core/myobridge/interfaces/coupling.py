@@ -5,7 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
-from myobridge.interfaces.macro_solid import MacroSolid, Motion
+from myobridge.interfaces.macro_solid import MacroSolid
+from myobridge.interfaces.motion import Motion
 from myobridge.interfaces.time_integrator import Memory, StepResult, TimeIntegrator
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import attrs
 
 from myobridge.interfaces.active_law import Array
-from myobridge.interfaces.macro_solid import Matrix
+from myobridge.interfaces.motion import Matrix
 
 if TYPE_CHECKING:
     from myobridge.solvers.inertia import Inertia

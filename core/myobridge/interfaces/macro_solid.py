@@ -15,83 +15,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
-import attrs
 import numpy as np
 
 from myobridge.interfaces.active_law import ActiveLaw, Array
+from myobridge.interfaces.motion import Balance, Matrix, Motion, VisibleMesh, Works
 
-__all__ = ["Balance", "MacroSolid", "Matrix", "Motion", "VisibleMesh"]
-
-Matrix = Any
-"""A dense ndarray or a scipy sparse array."""
-
-
-@attrs.frozen(eq=False)
-class Motion:
-    """State of a solid.
-
-    Attributes
-    ----------
-    displacement : ndarray, shape (n_unknowns,)
-        Free displacements [m].
-    velocity : ndarray, shape (n_unknowns,)
-        Their rates [m/s]; without inertia the differences over the last step.
-    multiplier : ndarray, shape (n_constraints,)
-        Lagrange multipliers, such as the pressure [Pa]; empty without constraint.
-    """
-
-    displacement: Array
-    velocity: Array
-    multiplier: Array = attrs.field(factory=lambda: np.empty(0))
-
-
-class Balance(NamedTuple):
-    """Balance of momentum (and constraint) at a point, with its tangent where asked for.
-
-    Attributes
-    ----------
-    force : ndarray, shape (n_unknowns,)
-        Internal (with active) minus external force [N].
-    stiffness : matrix or None
-        d force / d displacement [N/m].
-    damping : matrix or None
-        d force / d velocity [N s/m]; None when nothing depends on the rate.
-    constraint : ndarray, shape (n_constraints,), or None
-        Residual of the constraint; `force` holds the gradient's transpose times the multiplier.
-    constraint_gradient : matrix, shape (n_constraints, n_unknowns), or None
-        d constraint / d displacement.
-    constraint_compliance : matrix, shape (n_constraints, n_constraints), or None
-        Minus d constraint / d multiplier, positive semi-definite; None where it is zero.
-    magnitude : float
-        Norm of the terms that cancel in `force` [N]: a force below their round-off is zero to the solver.
-    symmetric : bool
-        Whether stiffness (and damping) is symmetric; follower loads are not.
-    constraint_magnitude : float
-        Norm of the terms that cancel in `constraint`, in its unit: of the volumes that J and 1 stand for, say.
-    """
-
-    force: Array
-    stiffness: Matrix | None = None
-    damping: Matrix | None = None
-    constraint: Array | None = None
-    constraint_gradient: Matrix | None = None
-    constraint_compliance: Matrix | None = None
-    magnitude: float = 0.0
-    symmetric: bool = True
-    constraint_magnitude: float = 0.0
-
-
-class VisibleMesh(NamedTuple):
-    """What a body looks like: nodes, cells, and meshio's word for the kind of cell (``triangle6``, ``tetra10`` ...).
-
-    `points` is (n_points, 3) [m], `cells` (n_cells, nodes of a cell) in the order of that kind.
-    """
-
-    points: Array
-    cells: Any
-    kind: str
+__all__ = ["MacroSolid"]
 
 
 class MacroSolid(ABC):
@@ -168,6 +99,65 @@ class MacroSolid(ABC):
             Whether stiffness and damping are wanted too.
         """
         raise NotImplementedError(f"{type(self).__name__} has no unknowns to balance")
+
+    def step_balance(
+        self,
+        start: Motion,
+        end: Motion,
+        law: ActiveLaw | None,
+        times: tuple[float, float],
+        *,
+        multiplier: Array | None = None,
+        tangent: bool = False,
+    ) -> Balance:
+        r"""Balance over a whole step, as a discrete gradient: its work is the change of the stored energy.
+
+        .. math:: f \cdot (u_1 - u_0) = W(u_1) - W(u_0) + \Psi(u_1) - \Psi(u_0)
+                  + p \cdot \bigl(c(u_1) - c(u_0)\bigr) - W_{external} + W_{viscous}
+
+        with :math:`\Psi` the energy of a law with a potential. A law without one is asked at the middle of the
+        stretches and at their mean rate. The constraint is that of `end`.
+
+        Parameters
+        ----------
+        start, end : Motion
+            At the two `times` [s]; the mean velocity follows from the displacements.
+        multiplier : ndarray, optional
+            Acts in the force; that of `end` unless given.
+
+        Returns
+        -------
+        Balance
+            `stiffness` is the derivative by the displacement at the end, rates included; `acting_gradient` acts in the
+            force, `constraint_gradient` is that of the constraint at the end. Without a pair of its own a solid answers
+            by its balance half-way, which is one for energies that are quadratic.
+        """
+        from myobridge.midpoint_pair import step_balance
+
+        return step_balance(self, start, end, law, times, multiplier, tangent=tangent)
+
+    def step_works(
+        self,
+        start: Motion,
+        end: Motion,
+        law: ActiveLaw | None,
+        times: tuple[float, float],
+        *,
+        multiplier: Array | None = None,
+    ) -> Works:
+        """Works of the step that `step_balance` states, from the same arguments."""
+        from myobridge.midpoint_pair import step_works
+
+        return step_works(self, start, end, law, times, multiplier)
+
+    def viscous_force(self, motion: Motion, time: float) -> Array | None:
+        """Share of viscosity in the force of `balance` [N]; None without."""
+        return None
+
+    @property
+    def stiff_constraint(self) -> bool:
+        """Whether the multiplier is so stiff that its mean over a step would ring: its value at the end acts then."""
+        return True
 
     def external_force(self, displacement: Array, time: float) -> Array:
         """External force [N], shape (n_unknowns,)."""

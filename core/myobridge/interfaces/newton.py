@@ -9,13 +9,16 @@ are vectors ``(n_unknowns,)``; whoever states the problem scales them so that on
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
+
+import attrs
 
 from myobridge.interfaces.active_law import Array
 from myobridge.interfaces.linear_solver import Factorisation, LinearSystem
-from myobridge.interfaces.macro_solid import Matrix
+from myobridge.interfaces.motion import Matrix
 
-__all__ = ["NewtonMethod", "NewtonProblem", "NewtonResult", "NewtonStep"]
+__all__ = ["KeptTangent", "NewtonMethod", "NewtonProblem", "NewtonResult", "NewtonStep"]
 
 
 class NewtonProblem(ABC):
@@ -47,6 +50,28 @@ class NewtonStep(NamedTuple):
     factorised: bool = True
 
 
+@attrs.frozen(eq=False)
+class KeptTangent:
+    """A tangent that outlives its solve, for problems much like the one it is of.
+
+    Attributes
+    ----------
+    system : LinearSystem
+        The tangent itself.
+    factorisation : Factorisation or None
+        Its factors; None after a checkpoint: whoever needs them factors the system again.
+    work : ndarray
+        What a method notes about it, such as the solves it has served; goes into checkpoints.
+    arrays : mapping or None
+        Matrices of the system by name, once it has been put into a memory.
+    """
+
+    system: LinearSystem
+    factorisation: Factorisation | None
+    work: Array
+    arrays: Mapping[str, Array] | None = None
+
+
 class NewtonResult(NamedTuple):
     """What a method found.
 
@@ -62,8 +87,8 @@ class NewtonResult(NamedTuple):
         Why it failed, in a sentence.
     history : tuple of NewtonStep
         How each iteration went.
-    factorisation : Factorisation or None
-        Of a tangent near the solution, where the method keeps one: for the next solve.
+    kept : KeptTangent or None
+        A tangent near the solution, where the method keeps one: for the next solve.
     """
 
     unknowns: Array
@@ -71,7 +96,7 @@ class NewtonResult(NamedTuple):
     iterations: int
     reason: str = ""
     history: tuple[NewtonStep, ...] = ()
-    factorisation: Factorisation | None = None
+    kept: KeptTangent | None = None
 
 
 class NewtonMethod(ABC):
@@ -80,11 +105,11 @@ class NewtonMethod(ABC):
     summary: ClassVar[str] = ""
 
     @abstractmethod
-    def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
+    def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
         """Solve from `start`.
 
         Parameters
         ----------
-        kept : Factorisation, optional
+        kept : KeptTangent, optional
             From the solve of a problem much like this one; a method that renews its tangent at once ignores it.
         """

@@ -15,7 +15,8 @@ from typing import ClassVar, NamedTuple
 import attrs
 
 from myobridge.interfaces.active_law import ActiveLaw, Array
-from myobridge.interfaces.macro_solid import MacroSolid, Motion
+from myobridge.interfaces.macro_solid import MacroSolid
+from myobridge.interfaces.motion import Motion
 
 __all__ = ["Memory", "StepReport", "StepResult", "TimeIntegrator"]
 
@@ -41,6 +42,8 @@ class StepReport:
         Work [J] that a law without potential did on the solid.
     viscous_work : float
         Energy [J] that viscosity took away.
+    numerical_work : float
+        Energy [J] that the method itself added.
     """
 
     converged: bool = True
@@ -49,6 +52,7 @@ class StepReport:
     external_work: float = 0.0
     active_work: float = 0.0
     viscous_work: float = 0.0
+    numerical_work: float = 0.0
 
 
 class StepResult(NamedTuple):
@@ -74,9 +78,6 @@ class TimeIntegrator(ABC):
         Whether it integrates the inertia; one that does not is for scenes without.
     conserves : frozenset of str
         Of "energy" (linear problems to round-off), "bounded_energy", "momentum", "angular_momentum".
-    stage : float
-        Fraction of the step at which the law is asked for the tension: 1 end point, 1/2 midpoint. Coupling schemes
-        that move the population within the step need it.
     """
 
     summary: ClassVar[str] = ""
@@ -84,7 +85,14 @@ class TimeIntegrator(ABC):
     explicit: ClassVar[bool] = False
     inertia: ClassVar[bool] = True
     conserves: ClassVar[frozenset[str]] = frozenset()
-    stage: ClassVar[float] = 1.0
+
+    @property
+    def stage(self) -> float:
+        """Fraction of the step at which the law is asked for the tension: 1 end point, 1/2 midpoint.
+
+        Coupling schemes that move the population within the step need it.
+        """
+        return 1.0
 
     def initial_memory(self, solid: MacroSolid, motion: Motion) -> Memory:
         """Memory at the start; empty for one-step methods."""

@@ -15,18 +15,21 @@ from myobridge.solvers.linear import (
     times,
 )
 from myobridge.solvers.newton import Ordinary, is_round_off, iterate, newton
+from myobridge.solvers.one_step import failed, implicit_stage, stage_report
 from myobridge.solvers.stability import stability
-from myobridge.solvers.stage import implicit_stage
-from myobridge.solvers.step import effective_mass, kinetic_energy, step_report
+from myobridge.solvers.stage import Formula, Solved, solve_stage
+from myobridge.solvers.step import effective_mass, finished, kinetic_energy, step_report
 
 __all__ = [
     "Automatic",
     "Choice",
+    "Formula",
     "Inertia",
     "InertiaUnknown",
     "NewtonResult",
     "Ordinary",
     "SingularMatrix",
+    "Solved",
     "UnsolvedSystem",
     "absolute_product",
     "acceleration",
@@ -37,6 +40,8 @@ __all__ = [
     "choose",
     "effective_mass",
     "factorise",
+    "failed",
+    "finished",
     "implicit_stage",
     "inertia",
     "installed",
@@ -46,7 +51,9 @@ __all__ = [
     "mass_solver",
     "newton",
     "solve",
+    "solve_stage",
     "stability",
+    "stage_report",
     "step_report",
     "times",
 ]

@@ -19,7 +19,7 @@ import numpy as np
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
     Array,
-    Factorisation,
+    KeptTangent,
     LinearSolver,
     LinearSystem,
     Matrix,
@@ -151,7 +151,7 @@ class Ordinary(NewtonMethod):
     growth: float = number(1e6, within="(1, inf]", doc="growth of the residual that halves a correction")
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
 
-    def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
+    def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
         def correction(unknowns: Array, residual: Array) -> tuple[Array, int, bool] | None:
             tangent = problem.tangent(unknowns)
             if isinstance(tangent, np.ndarray):

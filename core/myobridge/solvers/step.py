@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
-from myobridge.interfaces import ActiveLaw, Array, MacroSolid, Matrix, Motion, StepReport
+from myobridge.interfaces import ActiveLaw, Array, MacroSolid, Matrix, Motion, StepReport, Works
+from myobridge.midpoint_pair import active_work
 from myobridge.solvers.linear import times
 
-__all__ = ["effective_mass", "kinetic_energy", "step_report"]
+__all__ = ["effective_mass", "finished", "kinetic_energy", "step_report"]
 
 
 def effective_mass(solid: MacroSolid, inertance: Array | None) -> Matrix:
@@ -36,14 +37,15 @@ def step_report(
     change = end.displacement - start.displacement
     external = float(np.dot(solid.external_force(stage.displacement, stage_time), change))
     external += solid.support_work(stage, law, stage_time, *times)
-    active = 0.0
-    if law is not None and not law.has_potential:
-        stretch = solid.stretch(stage.displacement, stage_time)
-        rate = solid.stretch_rate(stage.displacement, stage.velocity, stage_time)
-        tension = law.evaluate(stretch, rate).tension
-        moved = solid.stretch(end.displacement, stage_time) - solid.stretch(start.displacement, stage_time)
-        active = -float(np.dot(solid.site_volumes * tension, moved))
+    active = active_work(solid, law, stage, stage_time, start, end)
+    viscous = solid.viscous_force(stage, stage_time)
+    taken = 0.0 if viscous is None else float(np.dot(viscous, change))
+    return finished(end, iterations, Works(external, active, taken))
+
+
+def finished(end: Motion, iterations: int, works: Works) -> StepReport:
+    """Report of a step that was solved: a motion that is not finite has failed all the same."""
     # A sum is finite only if every term is, and costs a fifth of asking each.
     finite = math.isfinite(end.displacement.sum() + end.velocity.sum())
     reason = "" if finite else "the motion is not finite"
-    return StepReport(finite, reason, iterations, external_work=external, active_work=active)
+    return StepReport(finite, reason, iterations, works.external, works.active, works.viscous, works.numerical)

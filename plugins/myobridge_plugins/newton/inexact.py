@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, Factorisation, LinearSolver, NewtonMethod, NewtonProblem, NewtonResult
+from myobridge.interfaces import Array, KeptTangent, LinearSolver, NewtonMethod, NewtonProblem, NewtonResult
 from myobridge.parameters import integer, number, part
 from myobridge.solvers import factorise, is_round_off, iterate
 
@@ -56,7 +56,7 @@ class Inexact(NewtonMethod):
     forcing: float = number(0.01, within="(0, 1)", doc="largest relative residual of a linear system")
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
 
-    def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
+    def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
         sizes: list[float] = []
         terms: list[float] = []
 

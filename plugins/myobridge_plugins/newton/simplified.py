@@ -9,7 +9,15 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, Factorisation, LinearSolver, NewtonMethod, NewtonProblem, NewtonResult
+from myobridge.interfaces import (
+    Array,
+    KeptTangent,
+    LinearSolver,
+    LinearSystem,
+    NewtonMethod,
+    NewtonProblem,
+    NewtonResult,
+)
 from myobridge.parameters import integer, number, part
 from myobridge.solvers import Ordinary, factorise, is_round_off, iterate
 
@@ -64,8 +72,8 @@ class Simplified(NewtonMethod):
     contraction: float = number(0.3, within="(0, 1)", doc="fall of the residual below which the tangent is renewed")
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
 
-    def solve(self, problem: NewtonProblem, start: Array, kept: Factorisation | None = None) -> NewtonResult:
-        held: list[Factorisation] = [] if kept is None else [kept]
+    def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
+        held: list[KeptTangent] = [] if kept is None else [kept]
         sizes: list[float] = []
         best: list[tuple[float, Array]] = [(math.inf, start)]
 
@@ -80,8 +88,13 @@ class Simplified(NewtonMethod):
                 tangent = problem.tangent(unknowns)
                 if is_round_off(tangent, unknowns, residual):
                     return None
-                held[:] = [factorise(tangent, self.linear)]
-            return held[0].solve(residual, _LINEAR), held[0].iterations, renewed
+                system = tangent if isinstance(tangent, LinearSystem) else LinearSystem(tangent, symmetric=False)
+                held[:] = [KeptTangent(system, factorise(system, self.linear), np.zeros(1))]
+            factors = held[0].factorisation
+            if factors is None:
+                factors = factorise(held[0].system, self.linear)
+                held[:] = [attrs.evolve(held[0], factorisation=factors)]
+            return factors.solve(residual, _LINEAR), factors.iterations, renewed
 
         first = iterate(
             problem,
@@ -93,7 +106,7 @@ class Simplified(NewtonMethod):
             growth=_GROWTH,
         )
         if first.converged or len(first.history) + 1 >= self.max_iterations:
-            return first._replace(factorisation=held[0] if held else None)
+            return first._replace(kept=held[0] if held else None)
         rest = Ordinary(
             tolerance=self.tolerance,
             max_iterations=self.max_iterations - len(first.history),

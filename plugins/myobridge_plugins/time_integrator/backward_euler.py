@@ -23,7 +23,6 @@ class BackwardEuler(TimeIntegrator):
     summary: ClassVar[str] = "backward Euler; order 1, always stable, loses energy"
     order: ClassVar[int] = 1
     inertia: ClassVar[bool] = True
-    stage: ClassVar[float] = 1.0
     conserves: ClassVar[frozenset[str]] = frozenset({"momentum"})
 
     newton: NewtonMethod | None = part("newton", None, doc="Newton's method; the ordinary one unless given")

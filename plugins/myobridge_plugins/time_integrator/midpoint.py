@@ -29,10 +29,13 @@ class Midpoint(TimeIntegrator):
     summary: ClassVar[str] = "implicit midpoint rule; order 2, conserves quadratic energies to round-off"
     order: ClassVar[int] = 2
     inertia: ClassVar[bool] = True
-    stage: ClassVar[float] = 0.5
     conserves: ClassVar[frozenset[str]] = frozenset({"energy", "momentum", "angular_momentum"})
 
     newton: NewtonMethod | None = part("newton", None, doc="Newton's method; the ordinary one unless given")
+
+    @property
+    def stage(self) -> float:
+        return 0.5
 
     def step(
         self, solid: MacroSolid, law: ActiveLaw | None, motion: Motion, memory: Memory, time: float, dt: float

@@ -25,7 +25,6 @@ class QuasiStatic(TimeIntegrator):
     summary: ClassVar[str] = "equilibrium at the end of each step, no inertia; default without inertia"
     order: ClassVar[int] = 1
     inertia: ClassVar[bool] = False
-    stage: ClassVar[float] = 1.0
     conserves: ClassVar[frozenset[str]] = frozenset(())
 
     newton: NewtonMethod | None = part("newton", None, doc="Newton's method; the ordinary one unless given")

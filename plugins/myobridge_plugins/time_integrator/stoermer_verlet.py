@@ -31,8 +31,11 @@ class StoermerVerlet(TimeIntegrator):
     summary: ClassVar[str] = "Störmer-Verlet; explicit, symplectic, order 2"
     order: ClassVar[int] = 2
     explicit: ClassVar[bool] = True
-    stage: ClassVar[float] = 0.5
     conserves: ClassVar[frozenset[str]] = frozenset({"bounded_energy", "momentum", "angular_momentum"})
+
+    @property
+    def stage(self) -> float:
+        return 0.5
 
     def step(
         self, solid: MacroSolid, law: ActiveLaw | None, motion: Motion, memory: Memory, time: float, dt: float

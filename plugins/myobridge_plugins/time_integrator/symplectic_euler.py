@@ -25,8 +25,11 @@ class SymplecticEuler(TimeIntegrator):
     summary: ClassVar[str] = "symplectic Euler (thesis, Method 4.14); explicit, order 1, bounded energy error"
     order: ClassVar[int] = 1
     explicit: ClassVar[bool] = True
-    stage: ClassVar[float] = 0.0
     conserves: ClassVar[frozenset[str]] = frozenset({"bounded_energy", "momentum", "angular_momentum"})
+
+    @property
+    def stage(self) -> float:
+        return 0.0
 
     def step(
         self, solid: MacroSolid, law: ActiveLaw | None, motion: Motion, memory: Memory, time: float, dt: float
