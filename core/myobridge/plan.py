@@ -159,7 +159,7 @@ def _tables(scene: Scene, plugins: Registry) -> dict[str, Mapping[str, Any]]:
     if scene.continuation is not None:
         return tables | {"continuation": scene.continuation}
     inertia = "inertia" in scene.effects
-    tables["integrator"] = scene.integrator or {"plugin": "midpoint" if inertia else "quasi_static"}
+    tables["integrator"] = scene.integrator or {"plugin": "energy_momentum" if inertia else "quasi_static"}
     if "cross_bridges" in scene.effects:
         tables["coupling"] = scene.coupling or {"plugin": "splitting" if inertia else "corrected"}
     elif scene.coupling is not None:
