@@ -26,22 +26,10 @@ from myobridge.interfaces import (
     VisibleMesh,
 )
 from myobridge.parameters import choice, integer, number, numbers, part, parts, records
+from myobridge_plugins.macro_solid.finite_element import forces, momenta
 from myobridge_plugins.macro_solid.finite_element.body import Body
 from myobridge_plugins.macro_solid.finite_element.element_pairs import PAIRS
-from myobridge_plugins.macro_solid.finite_element.forces import (
-    balance,
-    bulk_energy,
-    external_stiffness,
-    per_support,
-    support_work,
-    total_force,
-)
-from myobridge_plugins.macro_solid.finite_element.momenta import (
-    angular_momentum,
-    node_momentum,
-    rigid_freedom,
-    rigid_motions,
-)
+from myobridge_plugins.macro_solid.finite_element.loading import acceleration
 from myobridge_plugins.macro_solid.finite_element.regions import Region
 from myobridge_plugins.macro_solid.finite_element.supports import Support
 
@@ -128,7 +116,7 @@ class FiniteElement(MacroSolid):
             raise ParameterError("quadrature", f"is {self.quadrature}, whose rule on tetrahedra has a negative weight")
         with within("mesh"):
             mesh = self.mesh.mesh()
-        weight = None if self.gravity is None else self.density * self._acceleration(mesh.p.shape[0])
+        weight = None if self.gravity is None else self.density * acceleration(self.gravity, mesh.p.shape[0])
         return Body.of(
             mesh,
             self.material,
@@ -143,15 +131,6 @@ class FiniteElement(MacroSolid):
             degree=self.quadrature,
             threads=self.threads,
         )
-
-    def _acceleration(self, dimension: int) -> Array:
-        if isinstance(self.gravity, tuple):
-            if len(self.gravity) != dimension:
-                raise ParameterError(
-                    "gravity", f"has {len(self.gravity)} components; the body has {dimension} dimensions"
-                )
-            return np.array(self.gravity)
-        return np.append(np.zeros(dimension - 1), -float(self.gravity or 0.0))
 
     # ------------------------------------------------------------------ sizes
 
@@ -209,33 +188,35 @@ class FiniteElement(MacroSolid):
     def balance(
         self, motion: Motion, law: ActiveLaw | None, time: float, *, rate: bool = True, tangent: bool = False
     ) -> Balance:
-        return balance(self._body, motion, law, time, self.bulk_modulus, rate=rate, tangent=tangent)
+        return forces.balance(self._body, motion, law, time, self.bulk_modulus, rate=rate, tangent=tangent)
 
     def external_force(self, displacement: Array, time: float) -> Array:
         body = self._body
         return body.loading.external(body.displacement(displacement, time), time)[body.free]
 
     def external_stiffness(self, displacement: Array, time: float) -> Matrix | None:
-        return external_stiffness(self._body, displacement, time)
+        return forces.external_stiffness(self._body, displacement, time)
 
     def reactions(self, motion: Motion, tension: Array, time: float) -> Mapping[str, Array]:
-        return per_support(self._body, total_force(self._body, motion, tension, time))
+        return forces.per_support(self._body, forces.total_force(self._body, motion, tension, time))
 
     def supported_load(self, time: float) -> Mapping[str, Array]:
         rest = self._body.displacement(np.zeros(self.n_unknowns), time)
-        return per_support(self._body, self._body.loading.external(rest, time))
+        return forces.per_support(self._body, self._body.loading.external(rest, time))
 
     def support_work(
         self, stage: Motion, law: ActiveLaw | None, stage_time: float, start_time: float, end_time: float
     ) -> float:
-        return support_work(self._body, stage, law, stage_time, (start_time, end_time))
+        return forces.support_work(self._body, stage, law, stage_time, (start_time, end_time))
 
     # ------------------------------------------------------------------ energy, momentum
 
     def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
         body = self._body
         full = body.displacement(displacement, time)
-        return body.assembly.energy(full) + body.loading.energy(full) + bulk_energy(body, full, self.bulk_modulus)
+        return (
+            body.assembly.energy(full) + body.loading.energy(full) + forces.bulk_energy(body, full, self.bulk_modulus)
+        )
 
     @cached_property
     def _node_mass(self) -> Any:
@@ -249,20 +230,20 @@ class FiniteElement(MacroSolid):
         return sparse.csr_array(whole[self._body.free][:, self._body.free])
 
     def momentum(self, motion: Motion) -> Array:
-        return node_momentum(self._body, self._node_mass, motion).sum(axis=0)
+        return momenta.node_momentum(self._body, self._node_mass, motion).sum(axis=0)
 
     def angular_momentum(self, motion: Motion) -> Array:
-        return angular_momentum(self._body, self._node_mass, motion)
+        return momenta.angular_momentum(self._body, self._node_mass, motion)
 
     def rigid_motions(self) -> Array:
         return self._rigid_motions
 
     @cached_property
     def _rigid_motions(self) -> Array:
-        return rigid_motions(self._body)
+        return momenta.rigid_motions(self._body)
 
     def statics_obstacle(self, motion: Motion, law: ActiveLaw | None) -> str:
-        return rigid_freedom(self._body)
+        return momenta.rigid_freedom(self._body)
 
     # ------------------------------------------------------------------ pictures, times
 

@@ -17,7 +17,7 @@ from myobridge.errors import ParameterError
 from myobridge.interfaces import Array, Load
 from myobridge_plugins.macro_solid.finite_element.surfaces import BoundaryPart
 
-__all__ = ["Loading", "stores"]
+__all__ = ["Loading", "acceleration", "stores"]
 
 
 @attrs.frozen(eq=False)
@@ -133,3 +133,18 @@ class Loading:
 def stores(load: Load) -> bool:
     """Whether a load stores energy, so that its force is internal."""
     return type(load).energy is not Load.energy
+
+
+def acceleration(gravity: tuple[float, ...] | float, dimension: int) -> Array:
+    """Gravity as a vector [m/s^2]; one number points downwards along the last axis.
+
+    Raises
+    ------
+    ParameterError
+        If it has another number of components than the body.
+    """
+    if isinstance(gravity, tuple):
+        if len(gravity) != dimension:
+            raise ParameterError("gravity", f"has {len(gravity)} components; the body has {dimension} dimensions")
+        return np.array(gravity)
+    return np.append(np.zeros(dimension - 1), -gravity)
