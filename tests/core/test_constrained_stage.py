@@ -24,10 +24,15 @@ from myobridge.interfaces import (
 from myobridge.solvers import Ordinary
 from myobridge.testing import fitted_order
 from myobridge_plugins.time_integrator.backward_euler import BackwardEuler
+from myobridge_plugins.time_integrator.bathe import Bathe
+from myobridge_plugins.time_integrator.bdf2 import BDF2
+from myobridge_plugins.time_integrator.energy_momentum import EnergyMomentum
+from myobridge_plugins.time_integrator.generalised_alpha import GeneralisedAlpha
 from myobridge_plugins.time_integrator.midpoint import Midpoint
 from myobridge_plugins.time_integrator.quasi_static import QuasiStatic
 
 GRAVITY = 9.81
+IMPLICIT = (EnergyMomentum(), Midpoint(), BackwardEuler(), BDF2(), Bathe(), GeneralisedAlpha())
 
 
 class Toy(MacroSolid):
@@ -188,7 +193,7 @@ def run(solid: MacroSolid, integrator: Any, duration: float, steps: int) -> list
     return path
 
 
-@pytest.mark.parametrize("integrator", [Midpoint(), BackwardEuler()], ids=["midpoint", "backward_euler"])
+@pytest.mark.parametrize("integrator", IMPLICIT, ids=lambda one: type(one).__name__)
 def test_the_rod_keeps_its_length_at_the_end_of_every_step(integrator: Any) -> None:
     pendulum = Pendulum()
     path = run(pendulum, integrator, 1.0, 50)
@@ -197,7 +202,7 @@ def test_the_rod_keeps_its_length_at_the_end_of_every_step(integrator: Any) -> N
     assert np.ptp(places[:, 0]) > 0.3  # and it did swing
 
 
-@pytest.mark.parametrize("integrator", [Midpoint(), BackwardEuler()], ids=["midpoint", "backward_euler"])
+@pytest.mark.parametrize("integrator", IMPLICIT, ids=lambda one: type(one).__name__)
 def test_order_of_a_pendulum(integrator: Any) -> None:
     pendulum, duration = Pendulum(), 0.6
     exact = solve_ivp(
@@ -214,11 +219,12 @@ def test_order_of_a_pendulum(integrator: Any) -> None:
     assert abs(order - integrator.order) < 0.15, f"observed order {order:.3f}, errors {errors}"
 
 
-def test_a_rod_under_tension_only_carries_its_centripetal_force() -> None:
+@pytest.mark.parametrize("integrator", [EnergyMomentum(), Midpoint()], ids=lambda one: type(one).__name__)
+def test_a_rod_under_tension_only_carries_its_centripetal_force(integrator: Any) -> None:
     """Without gravity: speed and angular momentum stay to round-off, the rod pulls with m v^2 / l."""
     pendulum = Pendulum(gravity=0.0)
     steps = 200
-    path = run(pendulum, Midpoint(), 1.0, steps)
+    path = run(pendulum, integrator, 1.0, steps)
     places = pendulum.place(pendulum.angle) + np.array([motion.displacement for motion in path])
     velocities = np.array([motion.velocity for motion in path])
     turning = places[:, 0] * velocities[:, 1] - places[:, 1] * velocities[:, 0]
@@ -226,8 +232,19 @@ def test_a_rod_under_tension_only_carries_its_centripetal_force() -> None:
     np.testing.assert_allclose(-path[-1].multiplier[0], -pendulum.mass * 0.5**2 / 0.4, rtol=1e-4)
 
 
+def test_the_energy_of_a_swinging_pendulum_stays_to_round_off() -> None:
+    pendulum = Pendulum()
+
+    def energy(motion: Motion) -> float:
+        height = (pendulum.place(pendulum.angle) + motion.displacement)[1]
+        return 0.5 * pendulum.mass * float(motion.velocity @ motion.velocity) + pendulum.mass * GRAVITY * height
+
+    energies = np.array([energy(motion) for motion in run(pendulum, EnergyMomentum(), 20.0, 1000)])
+    assert np.abs(energies - energies[0]).max() <= 1e-12 * pendulum.mass * GRAVITY * pendulum.length
+
+
 @pytest.mark.parametrize("bulk_modulus", [np.inf, 1e4])
-@pytest.mark.parametrize("integrator", [QuasiStatic, Midpoint, BackwardEuler])
+@pytest.mark.parametrize("integrator", [QuasiStatic, *(type(one) for one in IMPLICIT)])
 def test_the_quad_keeps_its_area_and_the_tangent_is_exact(integrator: Any, bulk_modulus: float) -> None:
     quad = Quad(bulk_modulus=bulk_modulus)
     path = run(quad, integrator(newton=Checked()), 1.0, 10)

@@ -19,9 +19,10 @@ import numpy as np
 import scipy.sparse as sparse
 
 from myobridge.errors import ParameterError
-from myobridge.interfaces import ActiveLaw, Array, Balance, MacroSolid, Matrix, Motion, Signal
+from myobridge.interfaces import ActiveLaw, Array, Balance, MacroSolid, Matrix, Motion, Signal, Works
 from myobridge.parameters import choice, number, numbers, part
 from myobridge.solvers import times
+from myobridge_plugins.macro_solid.line_forces import balance, step_balance, step_works, viscous_force
 
 __all__ = ["Line", "LineMesh"]
 
@@ -55,6 +56,8 @@ class Line(MacroSolid):
         Force along the first axis on the right end [N].
     gravity : float or three floats, optional
         Acceleration [m/s^2], effect ``gravity``.
+    viscosity : float, optional
+        eta [Pa s] of Kelvin and Voigt, effect ``viscosity``.
     stretch_at_start : float
         Uniform stretch at t = 0; an end that is fixed stays where it puts it.
     displacement, velocity : sequence of float, optional
@@ -71,6 +74,9 @@ class Line(MacroSolid):
     load: Signal | None = part("signal", None, doc="force on the right end [N], positive pulls")
     gravity: float | tuple[float, ...] | None = numbers(
         None, unit="m/s^2", doc="acceleration along each axis", effect="gravity", on=-9.81
+    )
+    viscosity: float | None = number(
+        None, unit="Pa s", within="[0, inf)", doc="viscosity of Kelvin and Voigt", effect="viscosity", on=10.0
     )
     stretch_at_start: float = number(1.0, within="(0, inf)", doc="uniform stretch at the start; fixed ends stay there")
     displacement: tuple[float, ...] | None = numbers(None, unit="m", doc="free displacements at the start")
@@ -138,18 +144,18 @@ class Line(MacroSolid):
         return held
 
     @cached_property
-    def _derivative(self) -> Any:
+    def derivative(self) -> Any:
         """Derivative of the free components at the sites, (n_sites * n_axes, n_unknowns)."""
         full = sparse.kron(self.mesh.derivative, np.eye(self.n_axes), format="csc")[:, self.free]
         return full.toarray() if self.n_unknowns <= _DENSE else sparse.csr_array(full)
 
     @cached_property
-    def _transposed(self) -> Any:
-        derivative = self._derivative
+    def transposed(self) -> Any:
+        derivative = self.derivative
         return np.ascontiguousarray(derivative.T) if self.n_unknowns <= _DENSE else sparse.csr_array(derivative.T)
 
     @cached_property
-    def _node_derivative(self) -> Any:
+    def node_derivative(self) -> Any:
         return self.mesh.derivative.toarray() if self.n_unknowns <= _DENSE else self.mesh.derivative
 
     @cached_property
@@ -173,61 +179,52 @@ class Line(MacroSolid):
         positions.ravel()[self.free] += displacement
         return positions
 
-    def _gradient(self, displacement: Array) -> tuple[Array, Array]:
+    def gradient(self, displacement: Array) -> tuple[Array, Array]:
         """Direction times stretch at the sites (n_sites, n_axes), and the stretch."""
-        gradient = self._node_derivative @ self.positions(displacement)
+        gradient = self.node_derivative @ self.positions(displacement)
         return gradient, np.sqrt(np.einsum("ia,ia->i", gradient, gradient))
 
     def stretch(self, displacement: Array, time: float) -> Array:
-        return self._gradient(displacement)[1]
+        return self.gradient(displacement)[1]
 
     def stretch_rate(self, displacement: Array, velocity: Array, time: float) -> Array:
-        gradient, stretch = self._gradient(displacement)
-        rate = (self._derivative @ velocity).reshape(gradient.shape)
+        gradient, stretch = self.gradient(displacement)
+        rate = (self.derivative @ velocity).reshape(gradient.shape)
         return np.einsum("ia,ia->i", gradient, rate) / stretch
 
     def balance(
         self, motion: Motion, law: ActiveLaw | None, time: float, *, rate: bool = True, tangent: bool = False
     ) -> Balance:
-        gradient, stretch = self._gradient(motion.displacement)
-        direction = gradient / stretch[:, None]
-        stress = self.modulus * (stretch - 1.0)
-        slope: Array | float = self.modulus
-        sensitivity = None
-        if law is not None:
-            speed = np.zeros_like(stretch)
-            if rate:
-                moving = (self._derivative @ motion.velocity).reshape(gradient.shape)
-                speed = np.einsum("ia,ia->i", direction, moving)
-            answer = law.evaluate(stretch, speed)
-            stress = stress + answer.tension
-            slope = slope + answer.stiffness
-            sensitivity = answer.rate_sensitivity
-        weighted = (self.site_volumes * stress)[:, None] * direction
-        external = self.external_force(motion.displacement, time)
-        force = self._transposed @ weighted.ravel() - external
-        # Positions are rounded as the length is: that round-off, times the stiffness, is what the force cannot beat.
-        along_line = self.area * (slope + np.abs(stress)) * self.length / self.mesh.lengths
-        magnitude = float(np.sqrt(along_line @ along_line) + np.sqrt(external @ external))
-        if not tangent:
-            return Balance(force, magnitude=magnitude)
-        along = np.einsum("ia,ib->iab", direction, direction)
-        across = np.eye(self.n_axes) - along
-        blocks = along * (self.site_volumes * slope)[:, None, None]
-        blocks += across * (self.site_volumes * stress / stretch)[:, None, None]
-        damping = (
-            None if sensitivity is None else self._between(along * (self.site_volumes * sensitivity)[:, None, None])
-        )
-        return Balance(force, self._between(blocks), damping, magnitude=magnitude)
+        return balance(self, motion, law, time, rate=rate, tangent=tangent)
 
-    def _between(self, blocks: Array) -> Any:
-        """B^T diag(blocks) B."""
+    def step_balance(
+        self,
+        start: Motion,
+        end: Motion,
+        law: ActiveLaw | None,
+        times: tuple[float, float],
+        *,
+        multiplier: Array | None = None,
+        tangent: bool = False,
+    ) -> Balance:
+        return step_balance(self, start, end, law, times, tangent=tangent)
+
+    def step_works(
+        self, start: Motion, end: Motion, law: ActiveLaw | None, times: tuple[float, float], *, multiplier: Any = None
+    ) -> Works:
+        return step_works(self, start, end, law, times)
+
+    def viscous_force(self, motion: Motion, time: float) -> Array | None:
+        return viscous_force(self, motion)
+
+    def between(self, blocks: Array) -> Any:
+        """B^T diag(blocks) B for blocks (n_sites, n_axes, n_axes), free part."""
         n = self.n_sites
         if self.n_unknowns <= _DENSE:
-            derivative = self._derivative.reshape(n, self.n_axes, self.n_unknowns)
-            return self._transposed @ (blocks @ derivative).reshape(self._derivative.shape)
+            derivative = self.derivative.reshape(n, self.n_axes, self.n_unknowns)
+            return self.transposed @ (blocks @ derivative).reshape(self.derivative.shape)
         middle = sparse.bsr_array((blocks, np.arange(n), np.arange(n + 1)))
-        return sparse.csc_array(self._transposed @ (middle @ self._derivative))
+        return sparse.csc_array(self.transposed @ (middle @ self.derivative))
 
     @cached_property
     def _weight(self) -> Array:
@@ -246,12 +243,12 @@ class Line(MacroSolid):
     def admissible(self, displacement: Array, time: float = 0.0) -> bool:
         if not np.all(np.isfinite(displacement)):
             return False
-        gradient, stretch = self._gradient(displacement)
+        gradient, stretch = self.gradient(displacement)
         # In one dimension a segment that turned round has passed through zero length.
         return bool(np.all(stretch > 0.0) and (self.n_axes > 1 or np.all(gradient > 0.0)))
 
     def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
-        _, stretch = self._gradient(displacement)
+        _, stretch = self.gradient(displacement)
         return 0.5 * self.modulus * float(np.dot(self.site_volumes, (stretch - 1.0) ** 2))
 
     def momentum(self, motion: Motion) -> Array:
@@ -281,7 +278,7 @@ class Line(MacroSolid):
         )
 
     def reactions(self, motion: Motion, tension: Array, time: float) -> Mapping[str, Array]:
-        gradient, stretch = self._gradient(motion.displacement)
+        gradient, stretch = self.gradient(motion.displacement)
         stress = self.modulus * (stretch - 1.0) + tension
         forces = self.mesh.derivative.T @ ((self.site_volumes * stress / stretch)[:, None] * gradient)
         forces -= self._weight  # what rests on a support directly; its share of a consistent mass's inertia is left out

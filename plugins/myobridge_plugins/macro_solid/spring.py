@@ -23,7 +23,8 @@ _NO_FORCE.flags.writeable = False
 class Spring(MacroSolid):
     r"""Mass on a linear spring with cross-bridges in parallel (thesis, Model 4.10).
 
-    .. math:: m \ddot x = -k x - A\,T(\lambda, \dot\lambda) + F(t), \qquad \lambda = 1 + x / L
+    .. math:: m \ddot x = -k x - A \bigl(T(\lambda, \dot\lambda) + \eta \lambda^2 \dot\lambda\bigr) + F(t), \qquad
+              \lambda = 1 + x / L
 
     One unknown, one site of volume `A L`: the power :math:`A T \dot x` is :math:`A L\,T \dot\lambda`.
 
@@ -34,6 +35,8 @@ class Spring(MacroSolid):
     ----------
     mass, stiffness, length, area : float
         `m` [kg], `k` [N/m], rest length `L` [m], cross-section `A` [m^2].
+    viscosity : float, optional
+        :math:`\eta` [Pa s] of Kelvin and Voigt, effect ``viscosity``.
     load : Signal, optional
         External force `F` [N], positive when it lengthens.
     displacement, velocity : float
@@ -46,6 +49,9 @@ class Spring(MacroSolid):
     stiffness: float = number(1.0, unit="N/m", within="[0, inf)", doc="stiffness of the passive spring")
     length: float = number(0.1, unit="m", within="(0, inf)", doc="rest length, at stretch 1")
     area: float = number(1e-4, unit="m^2", within="(0, inf)", doc="cross-section on which the tension acts")
+    viscosity: float | None = number(
+        None, unit="Pa s", within="[0, inf)", doc="viscosity of Kelvin and Voigt", effect="viscosity", on=10.0
+    )
     load: Signal | None = part("signal", None, doc="external force [N], positive lengthens")
     displacement: float = number(0.0, unit="m", doc="displacement at the start")
     velocity: float = number(0.0, unit="m/s", doc="velocity at the start")
@@ -100,9 +106,22 @@ class Spring(MacroSolid):
             stiffness = stiffness + self.area / self.length * answer.stiffness[0]
             if tangent and answer.rate_sensitivity is not None:
                 damping = (self.area / self.length * answer.rate_sensitivity).reshape(1, 1)
+        if rate and self.viscosity is not None:
+            stretch, over = 1.0 + motion.displacement / self.length, self.area / self.length * self.viscosity
+            force = force + over * stretch**2 * motion.velocity
+            stiffness = stiffness + float((2.0 * over / self.length * stretch * motion.velocity)[0])
+            added = (over * stretch**2).reshape(1, 1)
+            damping = added if damping is None else damping + added
         # The stretch 1 + x / L is rounded as L is: that round-off, times the stiffness, is what the force cannot beat.
         magnitude = abs(stiffness) * self.length + abs(external[0])
         return Balance(force, np.array([[stiffness]]) if tangent else None, damping, magnitude=float(magnitude))
+
+    def viscous_force(self, motion: Motion, time: float) -> Array | None:
+        if self.viscosity is None:
+            return None
+        return (
+            self.area / self.length * self.viscosity * (1.0 + motion.displacement / self.length) ** 2 * motion.velocity
+        )
 
     def external_force(self, displacement: Array, time: float) -> Array:
         if self.load is None:

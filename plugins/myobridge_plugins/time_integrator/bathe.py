@@ -42,8 +42,8 @@ class Bathe(TimeIntegrator):
 
     Departures
     ----------
-    Bathe takes :math:`\gamma = 1/2`; here it is :math:`2 - \sqrt 2` as in [1]_, so that both stages have one tangent. No
-    acceleration is remembered: the force at the beginning is evaluated with the population of this step.
+    Bathe takes :math:`\gamma = 1/2`; here it is :math:`2 - \sqrt 2` as in [1]_, so that both stages have one tangent.
+    No acceleration is remembered: the force at the beginning is evaluated with the population of this step.
 
     References
     ----------

@@ -8,7 +8,16 @@ import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, NewtonMethod, StepReport, StepResult, TimeIntegrator
+from myobridge.interfaces import (
+    ActiveLaw,
+    MacroSolid,
+    Memory,
+    Motion,
+    NewtonMethod,
+    StepReport,
+    StepResult,
+    TimeIntegrator,
+)
 from myobridge.parameters import part
 from myobridge.solvers import failed, solve_stage, stage_report
 from myobridge_plugins.time_integrator.backward_differences import backward_differences

@@ -7,7 +7,16 @@ from typing import ClassVar, final
 import attrs
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, NewtonMethod, StepReport, StepResult, TimeIntegrator
+from myobridge.interfaces import (
+    ActiveLaw,
+    MacroSolid,
+    Memory,
+    Motion,
+    NewtonMethod,
+    StepReport,
+    StepResult,
+    TimeIntegrator,
+)
 from myobridge.parameters import choice, part
 from myobridge.solvers import Formula, failed, finished, solve_stage
 
@@ -23,8 +32,8 @@ class EnergyMomentum(TimeIntegrator):
               \frac{u_1 - u_0}{\Delta t} = \frac{v_0 + v_1}{2}, \qquad c(u_1, p_1) = 0
 
     The work of :math:`\bar f` is the change of the energies from which it derives (`MacroSolid.step_balance`), at every
-    step and whatever the energies: kinetic, elastic and cross-bridge energy change by what loads, viscosity and reacting
-    heads take and give, to round-off. Linear and angular momentum are kept as well.
+    step and whatever the energies: kinetic, elastic and cross-bridge energy change by what loads, viscosity and
+    reacting heads take and give, to round-off. Linear and angular momentum are kept as well.
 
     Parameters
     ----------

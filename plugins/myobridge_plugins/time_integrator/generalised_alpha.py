@@ -7,7 +7,16 @@ from typing import ClassVar, final
 import attrs
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import ActiveLaw, MacroSolid, Memory, Motion, NewtonMethod, StepReport, StepResult, TimeIntegrator
+from myobridge.interfaces import (
+    ActiveLaw,
+    MacroSolid,
+    Memory,
+    Motion,
+    NewtonMethod,
+    StepReport,
+    StepResult,
+    TimeIntegrator,
+)
 from myobridge.parameters import number, part
 from myobridge.solvers import Formula, acceleration, failed, solve_stage, stage_report
 
@@ -26,11 +35,11 @@ class GeneralisedAlpha(TimeIntegrator):
               v_1 = v_0 + \Delta t \bigl((1 - \gamma) a_0 + \gamma a_1\bigr)
 
     with :math:`\alpha_m = (2\rho - 1)/(\rho + 1)`, :math:`\alpha_f = \rho/(\rho + 1)`,
-    :math:`\gamma = \tfrac12 + \alpha_f - \alpha_m`, :math:`\beta = (\gamma + \tfrac12)^2 / 4`; :math:`\rho` is the share
-    of the fastest oscillations that one step leaves. The accelerations `a` and :math:`\dot v` are its memory.
+    :math:`\gamma = \tfrac12 + \alpha_f - \alpha_m`, :math:`\beta = (\gamma + \tfrac12)^2 / 4`; :math:`\rho` is the
+    share of the fastest oscillations that one step leaves. The accelerations `a` and :math:`\dot v` are its memory.
 
-    Coupled to cross-bridges by `splitting` it is of order 1: the accelerations belong to earlier populations. `corrected`
-    keeps the order.
+    Coupled to cross-bridges by `splitting` it is of order 1: the accelerations belong to earlier populations.
+    `corrected` keeps the order.
 
     Parameters
     ----------
