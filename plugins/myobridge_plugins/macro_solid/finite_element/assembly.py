@@ -15,7 +15,7 @@ from myobridge_plugins.macro_solid.finite_element.discretisation import Discreti
 from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
 from myobridge_plugins.macro_solid.finite_element.threads import available, shared_out
 
-__all__ = ["Assembly", "Kinematics", "Sums", "at_rest"]
+__all__ = ["AssembledRegion", "Assembly", "Kinematics", "Sums", "at_rest"]
 
 _NONE = np.empty(0)
 # Below this number of cells a second thread costs more to wake than it saves.
@@ -44,7 +44,7 @@ class Sums(NamedTuple):
 
 
 @attrs.frozen(eq=False)
-class _Region:
+class AssembledRegion:
     """Material of a region, and its batches in blocks by colour."""
 
     material: Material
@@ -67,6 +67,12 @@ class Assembly:
         Reference direction at every point.
     threads : int
         Threads of a loop over blocks, 0: all; the answer does not depend on it.
+
+    Attributes
+    ----------
+    cells, multipliers, zeros : ndarray
+        What every kernel takes (see `assembly_kernels`), and zeros at all points.
+    regions : list of AssembledRegion
     """
 
     def __init__(
@@ -81,7 +87,7 @@ class Assembly:
         self.pattern = pattern
         self.threads = threads
         cell = discretisation.cell
-        self._cells = (
+        self.cells = (
             discretisation.sizes,
             discretisation.starts,
             discretisation.batched(discretisation.nodes),
@@ -91,19 +97,19 @@ class Assembly:
             cell.slopes,
             cell.map_slopes,
         )
-        self._multipliers = discretisation.batched(discretisation.multipliers)
-        self._regions: list[_Region] = []
+        self.multipliers = discretisation.batched(discretisation.multipliers)
+        self.regions: list[AssembledRegion] = []
         for number, material in enumerate(materials):
             blocks, colours = discretisation.blocks(number)
             batches = np.arange(*discretisation.region_batches[number], dtype=np.int32)
             constants = np.ascontiguousarray(material.constants, dtype=np.float64)
-            self._regions.append(_Region(material, constants, blocks, colours, batches))
-        self._zeros = np.zeros(discretisation.n_points)
+            self.regions.append(AssembledRegion(material, constants, blocks, colours, batches))
+        self.zeros = np.zeros(discretisation.n_points)
 
     def memory(self) -> int:
         """Bytes of all arrays that grow with the mesh, the data of the tangents included."""
         pattern = self.pattern
-        held = [*self._cells, self._multipliers, pattern.lengths, self._zeros]
+        held = [*self.cells, self.multipliers, pattern.lengths, self.zeros]
         for part in (pattern.stiffness, pattern.gradient):
             held += [part.rows, part.places, part.indptr, part.indices]
         return sum(array.nbytes for array in held) + 8 * (pattern.stiffness.size + pattern.gradient.size)
@@ -113,14 +119,14 @@ class Assembly:
         from myobridge_plugins.macro_solid.finite_element.point_loops import kinematics
 
         n = self.discretisation.n_points
-        found = Kinematics(np.empty(n), np.empty(n) if velocity is not None else self._zeros, np.empty(n))
+        found = Kinematics(np.empty(n), np.empty(n) if velocity is not None else self.zeros, np.empty(n))
         moving = displacement if velocity is None else velocity
 
         def loop(first: int, last: int) -> None:
             rated = velocity is not None
-            kinematics(first, last, *self._shape(), rated, *self._cells, displacement, moving, *found)
+            kinematics(first, last, *self.shape, rated, *self.cells, displacement, moving, *found)
 
-        self._run(loop, [0, self.discretisation.sizes.size])
+        self.run(loop, [0, self.discretisation.sizes.size])
         return found
 
     def sums(
@@ -142,24 +148,24 @@ class Assembly:
         stiffness_data = np.zeros(pattern.stiffness.size) if tangent else _NONE
         gradient_data = np.zeros(pattern.gradient.size) if tangent else _NONE
         top = 0.0
-        for region in self._regions:
+        for region in self.regions:
             functions = region.material.functions()
             law = functions.tangent if tangent else functions.stress
             largest = np.zeros(len(region.blocks))
             given = (
-                *self._shape(),
+                *self.shape,
                 passive,
                 tangent,
-                *self._cells,
-                self._multipliers,
+                *self.cells,
+                self.multipliers,
                 grid.cell.shapes,
                 region.blocks,
                 law.pointer,
                 region.constants,
                 displacement,
                 pressure,
-                self._zeros if tension is None else tension,
-                self._zeros if stiffness is None else stiffness,
+                self.zeros if tension is None else tension,
+                self.zeros if stiffness is None else stiffness,
                 pattern.lengths,
                 pattern.stiffness.rows,
                 pattern.stiffness.places,
@@ -171,7 +177,7 @@ class Assembly:
                 gradient_data,
                 largest,
             )
-            self._run(lambda first, last, given=given: assemble(first, last, *given), region.colours)
+            self.run(lambda first, last, given=given: assemble(first, last, *given), region.colours)
             top = max(top, float(largest.max(initial=0.0)))
         return Sums(force, constraint, stiffness_data, gradient_data, top)
 
@@ -180,16 +186,18 @@ class Assembly:
         from myobridge_plugins.macro_solid.finite_element.energy_kernels import energies
 
         found = np.zeros(self.discretisation.sizes.size)
-        for region in self._regions:
+        for region in self.regions:
             law = region.material.functions().energy.pointer
-            given = (*self._shape(), *self._cells, region.batches, law, region.constants, displacement, found)
-            self._run(lambda first, last, given=given: energies(first, last, *given), [0, region.batches.size])
+            given = (*self.shape, *self.cells, region.batches, law, region.constants, displacement, found)
+            self.run(lambda first, last, given=given: energies(first, last, *given), [0, region.batches.size])
         return float(found.sum())
 
-    def _shape(self) -> tuple[int, bool]:
+    @property
+    def shape(self) -> tuple[int, bool]:
+        """Dimension, and whether cells are affine."""
         return self.discretisation.dimension, self.discretisation.cell.affine
 
-    def _run(self, loop: Callable[[int, int], None], bounds: Sequence[int] | np.ndarray) -> None:
+    def run(self, loop: Callable[[int, int], None], bounds: Sequence[int] | np.ndarray) -> None:
         """Run a loop over a range, one part after the other, each shared out among threads."""
         threads = min(self.threads or available(), available())
         if threads == 1 or self.discretisation.n_cells < _SMALL:

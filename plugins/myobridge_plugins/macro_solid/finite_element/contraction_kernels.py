@@ -14,7 +14,7 @@ from numba import njit
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
 
-__all__ = ["add_constraint", "add_force", "add_stiffness"]
+__all__ = ["add_constraint", "add_force", "add_stiffness", "add_whole_stiffness"]
 
 _L = LANES
 
@@ -171,3 +171,37 @@ def add_stiffness(n, n_nodes, volume, slopes, tangent, half, stiffness):
                 block[7 * _L + lane] += k21
                 block[8 * _L + lane] += k22
             pair += 1
+
+
+@njit(**OPTIONS)
+def add_whole_stiffness(n, n_nodes, volume, slopes, whole, half, stiffness):
+    """Add ``G A G`` of every pair of nodes where A has no symmetry: all 81 entries in, all pairs ``a n_nodes + b`` out.
+
+    Row ``9 (3 i + J) + 3 k + L`` of `whole` has A; `half` is scratch of 27 rows.
+    """
+    for a in range(n_nodes):
+        g = slopes[3 * a * _L : (3 * a + 3) * _L]
+        for i in range(3):
+            for c in range(9):
+                row = (27 * i + c) * _L
+                first, second, third = whole[row : row + _L], whole[row + 9 * _L :], whole[row + 18 * _L :]
+                found = half[(9 * i + c) * _L : (9 * i + c + 1) * _L]
+                for lane in range(n):
+                    sum_ = g[lane] * first[lane] + g[_L + lane] * second[lane] + g[2 * _L + lane] * third[lane]
+                    found[lane] = volume[lane] * sum_
+        for b in range(n_nodes):
+            h = slopes[3 * b * _L : (3 * b + 3) * _L]
+            pair = a * n_nodes + b
+            for i in range(3):
+                block = stiffness[(9 * pair + 3 * i) * _L : (9 * pair + 3 * i + 3) * _L]
+                rows = half[9 * i * _L : (9 * i + 9) * _L]
+                for lane in range(n):
+                    x = h[lane]
+                    y = h[_L + lane]
+                    z = h[2 * _L + lane]
+                    k0 = x * rows[0 * _L + lane] + y * rows[1 * _L + lane] + z * rows[2 * _L + lane]
+                    k1 = x * rows[3 * _L + lane] + y * rows[4 * _L + lane] + z * rows[5 * _L + lane]
+                    k2 = x * rows[6 * _L + lane] + y * rows[7 * _L + lane] + z * rows[8 * _L + lane]
+                    block[0 * _L + lane] += k0
+                    block[1 * _L + lane] += k1
+                    block[2 * _L + lane] += k2

@@ -15,7 +15,7 @@ from numba import njit
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
 
-__all__ = ["scatter_gradient", "scatter_stiffness"]
+__all__ = ["scatter_gradient", "scatter_stiffness", "scatter_whole_stiffness"]
 
 _U = np.uint64
 _ROW = tuple(_U(row * LANES) for row in range(9))
@@ -51,6 +51,29 @@ def scatter_stiffness(n, dimension, n_nodes, nodes, lengths, rows, places, local
                     _add_free(data, rows, dimension, first, second, here, local, at, _ROW[3], _ROW[1])
                     if a != b:
                         _add_free(data, rows, dimension, second, first, there, local, at, _ROW[1], _ROW[3])
+                at = at + _BLOCK
+
+
+@njit(**OPTIONS)
+def scatter_whole_stiffness(n, dimension, n_nodes, nodes, lengths, rows, places, local, data):
+    """Add the blocks of all pairs, a and b in either order, where the stiffness is not symmetric."""
+    for lane in range(n):
+        at = _U(lane)
+        for a in range(n_nodes):
+            first = nodes[a, lane]
+            length = lengths[first]
+            for b in range(n_nodes):
+                second = nodes[b, lane]
+                here = places[a * n_nodes + b, lane]
+                if length > 0 and lengths[second] > 0:
+                    k00, k01 = local[at], local[at + _ROW[1]]
+                    k10, k11 = local[at + _ROW[3]], local[at + _ROW[4]]
+                    k02, k12 = local[at + _ROW[2]], local[at + _ROW[5]]
+                    k20, k21, k22 = local[at + _ROW[6]], local[at + _ROW[7]], local[at + _ROW[8]]
+                    start = _U(rows[dimension * first] + here)
+                    _add(data, start, _U(length), dimension, k00, k01, k02, k10, k11, k12, k20, k21, k22)
+                else:
+                    _add_free(data, rows, dimension, first, second, here, local, at, _ROW[3], _ROW[1])
                 at = at + _BLOCK
 
 
