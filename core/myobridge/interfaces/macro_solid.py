@@ -220,6 +220,14 @@ class MacroSolid(ABC):
         """
         return 1.0
 
+    @property
+    def displacement_scale(self) -> float:
+        """Displacement [m] that changes the shape of the smallest part by the order of one, such as a cell's size.
+
+        Second derivatives of the constraint are differences over it: exact for constraints of degree three and less.
+        """
+        return 1.0
+
     def rigid_motions(self) -> Array | None:
         """Translations and rotations restricted to the unknowns, (n_unknowns, k); None where no solver needs them."""
         return None

@@ -2,7 +2,18 @@
 
 from myobridge.interfaces import NewtonResult
 from myobridge.solvers.choice import Automatic, Choice, choice_for, choice_of, choose, factorise, installed
-from myobridge.solvers.explicit import acceleration
+from myobridge.solvers.constrained import ConstrainedMass
+from myobridge.solvers.explicit import (
+    Accelerated,
+    PointForce,
+    accelerated,
+    acceleration,
+    constraint_at,
+    constraint_rate,
+    elastic_multiplier,
+    point_force,
+)
+from myobridge.solvers.frequency import Frequency, largest_frequency
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
 from myobridge.solvers.linear import (
     SingularMatrix,
@@ -16,40 +27,62 @@ from myobridge.solvers.linear import (
 )
 from myobridge.solvers.newton import Ordinary, is_round_off, iterate, newton
 from myobridge.solvers.one_step import failed, implicit_stage, stage_report
+from myobridge.solvers.projection import (
+    Projected,
+    gradient_at,
+    onto_constraint,
+    projected_displacement,
+    projected_velocity,
+)
 from myobridge.solvers.stability import stability
 from myobridge.solvers.stage import Formula, Solved, solve_stage
 from myobridge.solvers.step import effective_mass, finished, kinetic_energy, step_report
 
 __all__ = [
+    "Accelerated",
     "Automatic",
     "Choice",
+    "ConstrainedMass",
     "Formula",
+    "Frequency",
     "Inertia",
     "InertiaUnknown",
     "NewtonResult",
     "Ordinary",
+    "PointForce",
+    "Projected",
     "SingularMatrix",
     "Solved",
     "UnsolvedSystem",
     "absolute_product",
+    "accelerated",
     "acceleration",
     "add_scaled",
     "bordered",
     "choice_for",
     "choice_of",
     "choose",
+    "constraint_at",
+    "constraint_rate",
     "effective_mass",
+    "elastic_multiplier",
     "factorise",
     "failed",
     "finished",
+    "gradient_at",
     "implicit_stage",
     "inertia",
     "installed",
     "is_round_off",
     "iterate",
     "kinetic_energy",
+    "largest_frequency",
     "mass_solver",
     "newton",
+    "onto_constraint",
+    "point_force",
+    "projected_displacement",
+    "projected_velocity",
     "solve",
     "solve_stage",
     "stability",
