@@ -208,7 +208,7 @@ def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
     if solid.n_unknowns == 0:
         check_prescribed_stretch(solid, scene.duration)
     try:
-        return Simulation(dt=scene.step, **parts)
+        return Simulation(dt=scene.step, tolerance=scene.tolerance, **parts)
     except ParameterError as error:  # the density is the only part that meets the sites at this moment
         raise ParameterError(f"sarcomere_density.{error.key}", error.problem) from None
 

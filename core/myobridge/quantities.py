@@ -52,6 +52,9 @@ def sources(
         if name in names:
             found.append(source)
 
+    error = simulation.step_error
+    if error is not None:
+        found.append(lambda: {"step_length": np.asarray(error.dt), "step_error": np.asarray(error.estimate)})
     add("energy", lambda: {f"energy/{k}": np.asarray(v) for k, v in simulation.ledger.entries().items()})
     add("displacement", lambda: {"displacement": simulation.motion.displacement})
     add(

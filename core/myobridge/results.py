@@ -49,10 +49,15 @@ class Checkpoint:
             "halvings": control.halvings,
             "successes": control.successes,
         }
+        error = simulation.step_error
+        if error is not None:
+            scalars |= {f"error/{name}": value for name, value in error.scalars().items()}
         scalars |= {f"ledger/{name}": value for name, value in simulation.ledger.as_dict().items()}
         motion = attrs.asdict(simulation.motion)
         arrays = {f"motion/{name}": np.array(value) for name, value in motion.items()}
         arrays |= {f"memory/{name}": np.array(value) for name, value in simulation.memory.items()}
+        if error is not None:
+            arrays["error/velocity"] = np.array(error.velocity)
         if simulation.bus is not None:
             arrays |= {f"bus/{name}": value for name, value in attrs.asdict(simulation.bus.state()).items()}
         return cls(scalars, arrays)
@@ -85,6 +90,10 @@ class Checkpoint:
         simulation.steps = int(scalars["steps"])
         simulation.iterations = int(scalars["iterations"])
         simulation.control = StepControl(float(scalars["dt"]), int(scalars["halvings"]), int(scalars["successes"]))
+        error = simulation.step_error
+        if error is not None and "error/velocity" in self.arrays:
+            error.estimate, error.dt = float(scalars["error/estimate"]), float(scalars["error/dt"])
+            error.velocity = np.array(self.arrays["error/velocity"])
         simulation.ledger = Ledger(**_group(scalars, "ledger/"))
 
 

@@ -103,6 +103,8 @@ class Scene:
         Phenomena called for; nothing else is computed.
     duration, step : float
         Simulated time and nominal step [s]; not given in a scene without time.
+    tolerance : float, optional
+        Largest estimated error of a displacement in one step [m]; the nominal step is the longest then.
     solid : mapping
         ``plugin`` and its parameters; likewise `cross_bridges`, `activation`, `calcium`, `sarcomere_density`,
         `integrator` and `coupling`, which may be left out.
@@ -122,6 +124,9 @@ class Scene:
     name: str = text("scene", doc="name of the scene")
     duration: float = number(None, unit="s", within="(0, inf)", doc="simulated time")
     step: float = number(None, unit="s", within="(0, inf)", doc="nominal step")
+    tolerance: float | None = number(
+        None, unit="m", within="(0, inf)", doc="largest error of a step, else it is halved; without, no control"
+    )
     effects: tuple[str, ...] = attrs.field(default=(), converter=_effects)
     solid: Table = _section(required=True)
     loads: tuple[Table, ...] = _list()
@@ -149,7 +154,7 @@ class Scene:
                 raise ParameterError(
                     key, "is missing; expected a number in (0, inf) [s], or a [continuation] for a scene without time"
                 )
-        for key in ("integrator", "coupling"):
+        for key in ("integrator", "coupling", "tolerance"):
             if self.static and getattr(self, key) is not None:
                 raise ParameterError(key, "steps through time, and a scene with [continuation] has none; leave it out")
 
@@ -229,7 +234,7 @@ class Scene:
         return Scene._from_data(self.to_data(), self.folder, self.origin, settings)
 
 
-_HEAD = ("name", "duration", "step", "effects")
+_HEAD = ("name", "duration", "step", "tolerance", "effects")
 _SECTIONS = (
     "solid",
     *LISTS_OF_SOLID,

@@ -29,6 +29,7 @@ from myobridge.interfaces import (
 from myobridge.ledger import Ledger
 from myobridge.solvers import kinetic_energy
 from myobridge.step_control import StepControl
+from myobridge.step_error import StepError
 from myobridge.stimulation import located
 
 __all__ = ["Simulation"]
@@ -53,6 +54,9 @@ class Simulation:
         Local density; 1 without.
     dt : float
         Nominal step [s].
+    tolerance : float, optional
+        Largest error of a displacement in one step [m], as `myobridge.step_error` estimates it; longer steps are
+        halved, down from `dt`.
 
     Raises
     ------
@@ -71,11 +75,15 @@ class Simulation:
         calcium: ActivationKinetics | None = None,
         sarcomere_density: SarcomereDensity | None = None,
         dt: float = 1e-3,
+        tolerance: float | None = None,
     ) -> None:
         if not dt > 0.0:
             raise SceneError(f"step: is {dt!r}; expected a number in (0, inf) [s]")
+        if tolerance is not None and not tolerance > 0.0:
+            raise SceneError(f"tolerance: is {tolerance!r}; expected a number in (0, inf) [m]")
         self.solid = solid
         self.integrator = integrator
+        self.step_error = None if tolerance is None else StepError(tolerance, integrator.order)
         # A passive solid has nothing to couple: no scheme exists then.
         self.coupling = coupling
         if coupling is None and cross_bridges is not None:
@@ -127,7 +135,7 @@ class Simulation:
                 self.time = target
                 self.steps += 1
                 self.iterations += report.iterations
-                self.control.succeeded(target)
+                self.control.succeeded(target, room=self.step_error is None or self.step_error.room)
                 return report
             self.control.failed(self.time, report.reason)
 
@@ -162,16 +170,29 @@ class Simulation:
             self.seconds["mechanics"] -= bus.seconds - spent
         stepped = perf_counter()
         self.seconds["mechanics"] += stepped - started
+        result = self._exact_enough(result, dt)
         if not result.report.converged:
             if bus is not None:
                 bus.discard()
             return result.report
-        self.motion, self.memory = result.motion, result.memory
+        start, self.motion, self.memory = self.motion, result.motion, result.memory
+        if self.step_error is not None:
+            self.step_error.accept(start, dt, self.step_error.of(start, result.motion, dt))
         if bus is not None:
             bus.commit()
         self._close(result.report, self.time + dt)
         self.seconds["ledger"] += perf_counter() - stepped
         return result.report
+
+    def _exact_enough(self, result: StepResult, dt: float) -> StepResult:
+        """Turn a step whose estimated error is too large into a failed one."""
+        if self.step_error is None or not result.report.converged:
+            return result
+        error, tolerance = self.step_error.of(self.motion, result.motion, dt), self.step_error.tolerance
+        if error <= tolerance:
+            return result
+        reason = f"its estimated error, {error:.2g} m, exceeds the tolerance of {tolerance:.2g} m"
+        return result._replace(report=StepReport(converged=False, reason=reason))
 
     def _finite(self, result: StepResult) -> StepResult:
         """Turn a tension that is not finite into a failed step, so that it is retried and never recorded."""

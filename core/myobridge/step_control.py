@@ -71,10 +71,10 @@ class StepControl:
         self.halvings += 1
         self.successes = 0
 
-    def succeeded(self, time: float) -> None:
-        """Double a halved step after a few successes, where the coarser grid has a point."""
+    def succeeded(self, time: float, *, room: bool = True) -> None:
+        """Double a halved step after a few successes, where the coarser grid has a point and there is `room` for it."""
         self.successes += 1
-        if self.halvings and self.successes >= self.REGROW_AFTER:
+        if room and self.halvings and self.successes >= self.REGROW_AFTER:
             coarse = time / (self.dt / 2 ** (self.halvings - 1))
             if abs(coarse - round(coarse)) < _SAME:
                 self.halvings -= 1
