@@ -101,9 +101,36 @@ class Factorisation(ABC):
             If the residual is not reached; never a wrong answer.
         """
 
+    def solve_near(self, system: LinearSystem, vector: Array, tolerance: float) -> tuple[Array, int]:
+        """Solution for another system, near the one that this was prepared for, and applications that it took.
+
+        Raises
+        ------
+        UnsolvedSystem
+            If the residual is not reached within `worth` applications: then a new factorisation is the cheaper way.
+        """
+        from myobridge.solvers.fgmres import fgmres
+
+        return fgmres(system.times, self.approximate, vector, tolerance, max(int(self.worth), 20))
+
+    def approximate(self, vector: Array) -> Array:
+        """One application of what was prepared, as it is: factors without refinement, one cycle of multigrid.
+
+        Linear in the vector: what iterations on another system use as preconditioner.
+        """
+        return self.solve(vector)
+
+    @property
+    def worth(self) -> float:
+        """How many applications (`approximate`) cost as much as all the preparation, roughly.
+
+        Never measured by a clock: what a method decides by it must not depend on the load of the machine.
+        """
+        return 50.0
+
     @property
     def iterations(self) -> int:
-        """Iterations that the last solve took; 0 for a direct solver."""
+        """Iterations that the last solve took; 0 for a direct solver on its own system."""
         return 0
 
     def inertia(self) -> Inertia | None:

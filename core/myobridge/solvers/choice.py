@@ -111,6 +111,16 @@ class _Chosen(Factorisation):
     def solve(self, vector: Array, tolerance: float = 1e-12) -> Array:
         return self._inner.solve(vector, tolerance)
 
+    def solve_near(self, system: LinearSystem, vector: Array, tolerance: float) -> tuple[Array, int]:
+        return self._inner.solve_near(system, vector, tolerance)
+
+    def approximate(self, vector: Array) -> Array:
+        return self._inner.approximate(vector)
+
+    @property
+    def worth(self) -> float:
+        return self._inner.worth
+
     @property
     def iterations(self) -> int:
         return self._inner.iterations

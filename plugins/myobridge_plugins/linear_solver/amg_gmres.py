@@ -18,6 +18,8 @@ __all__ = ["AmgGmres"]
 
 # Blocks of unknowns, one an aggregate of nodes, of the coarsest level, which is solved directly.
 _COARSEST = 200
+# Cycles that the hierarchy is worth, as measured.
+_WORTH = 15.0
 # Weight of the diagonal that stands for the Schur complement: for P2-P1 it is about twice too large.
 _SCHUR = 0.5
 
@@ -92,7 +94,7 @@ class _Multigrid(Factorisation):
         self._hierarchy = _hierarchy(symmetric, system.rigid_motions)
         self._cycle = self._hierarchy.aspreconditioner(cycle="W")
 
-    def _precondition(self, vector: Array) -> Array:
+    def approximate(self, vector: Array) -> Array:
         if self._coupling is None:
             return self._cycle @ vector
         multiplier = -vector[self._n :] / self._schur
@@ -100,18 +102,21 @@ class _Multigrid(Factorisation):
         return np.concatenate([upper, multiplier])
 
     def solve(self, vector: Array, tolerance: float = 1e-12) -> Array:
+        return self.solve_near(self._system, vector, tolerance)[0]
+
+    def solve_near(self, system: LinearSystem, vector: Array, tolerance: float) -> tuple[Array, int]:
         import scipy.sparse.linalg as sparse_linalg
 
         self._iterations = 0
         size = float(np.linalg.norm(vector))
         if size == 0.0:
-            return np.zeros_like(vector)
+            return np.zeros_like(vector), 0
 
         linear_operator: Any = sparse_linalg.LinearOperator  # its types know no matvec
 
         def product(inner: Array) -> Array:
             self._iterations += 1
-            return self._system.times(self._precondition(inner))
+            return system.times(self.approximate(inner))
 
         n = vector.size
         found = np.zeros(n)
@@ -124,13 +129,13 @@ class _Multigrid(Factorisation):
             inner, _ = sparse_linalg.gmres(
                 operator, rest, rtol=0.9 * tolerance * size / missed, atol=0.0, restart=room, maxiter=1
             )
-            found = found + self._precondition(inner)
-            rest = vector - self._system.times(found)
+            found = found + self.approximate(inner)
+            rest = vector - system.times(found)
             before, missed = missed, float(np.linalg.norm(rest))
             if not missed < 0.9 * before:
                 break
         if missed <= tolerance * size:
-            return found
+            return found, self._iterations
         raise UnsolvedSystem(
             f"amg_gmres left {missed / size:.1e} of the right side after {self._iterations} iterations, allowed is "
             f"{tolerance:.1e}. Near a limit point or for an unstable state take a direct solver (superlu, or pardiso "
@@ -139,6 +144,10 @@ class _Multigrid(Factorisation):
 
     def inertia(self) -> Inertia | None:
         return judged(self._system, self._cycle)
+
+    @property
+    def worth(self) -> float:
+        return _WORTH
 
     @property
     def iterations(self) -> int:
