@@ -1,5 +1,6 @@
 """myobridge: multi-scale muscle simulation, cross-bridges below, tissue above, joined by a coupling bus."""
 
+from myobridge.atlas import Atlas, Chart
 from myobridge.bus import CouplingBus
 from myobridge.errors import ContinuationFailed, MyobridgeError, ParameterError, PluginError, SceneError, StepFailed
 from myobridge.hookspecs import hookimpl
@@ -12,8 +13,10 @@ from myobridge.interfaces import (
     ContinuationStrategy,
     CouplingScheme,
     CrossBridgeModel,
+    Expectation,
     Fibres,
     Fluxes,
+    Limit,
     LinearSolver,
     Load,
     MacroSolid,
@@ -25,6 +28,7 @@ from myobridge.interfaces import (
     Promises,
     SarcomereDensity,
     Signal,
+    StabilityCase,
     StepReport,
     StepResult,
     TimeIntegrator,
@@ -44,6 +48,8 @@ __all__ = [
     "ActivationKinetics",
     "ActiveLaw",
     "AffineLaw",
+    "Atlas",
+    "Chart",
     "ContinuationFailed",
     "ContinuationPath",
     "ContinuationProblem",
@@ -51,9 +57,11 @@ __all__ = [
     "CouplingBus",
     "CouplingScheme",
     "CrossBridgeModel",
+    "Expectation",
     "Fibres",
     "Fluxes",
     "Ledger",
+    "Limit",
     "LinearSolver",
     "Load",
     "MacroSolid",
@@ -75,6 +83,7 @@ __all__ = [
     "SceneError",
     "Signal",
     "Simulation",
+    "StabilityCase",
     "StaticRun",
     "Statics",
     "StepFailed",

@@ -29,6 +29,7 @@ from myobridge.interfaces import (
     Overlap,
     SarcomereDensity,
     Signal,
+    StabilityCase,
     TimeIntegrator,
 )
 
@@ -113,6 +114,11 @@ def myobridge_newton_methods() -> Mapping[str, type[NewtonMethod]]:  # pyright: 
     """Newton's methods by short name."""
 
 
+@hookspec
+def myobridge_stability_cases() -> Mapping[str, type[StabilityCase]]:  # pyright: ignore[reportReturnType]
+    """Cases of the stability atlas by short name."""
+
+
 @attrs.frozen
 class Family:
     """A kind of plugin: its hook, the interface that every member implements, what it is in words."""
@@ -141,5 +147,6 @@ FAMILIES: Mapping[str, Family] = {
         Family("load", "myobridge_loads", Load, "load on a boundary"),
         Family("linear_solver", "myobridge_linear_solvers", LinearSolver, "linear solver"),
         Family("newton", "myobridge_newton_methods", NewtonMethod, "Newton's method"),
+        Family("stability_case", "myobridge_stability_cases", StabilityCase, "stability case"),
     )
 }

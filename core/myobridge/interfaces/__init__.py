@@ -18,6 +18,7 @@ from myobridge.interfaces.mesh import MeshSource
 from myobridge.interfaces.motion import Balance, Matrix, Motion, VisibleMesh, Works
 from myobridge.interfaces.newton import KeptTangent, NewtonMethod, NewtonProblem, NewtonResult, NewtonStep
 from myobridge.interfaces.signal import ActivationKinetics, Signal
+from myobridge.interfaces.stability_case import Expectation, Limit, StabilityCase
 from myobridge.interfaces.time_integrator import Memory, StepReport, StepResult, TimeIntegrator
 
 __all__ = [
@@ -31,11 +32,13 @@ __all__ = [
     "ContinuationStrategy",
     "CouplingScheme",
     "CrossBridgeModel",
+    "Expectation",
     "Factorisation",
     "Fibres",
     "Fluxes",
     "KeptTangent",
     "LawValue",
+    "Limit",
     "LinearSolver",
     "LinearSystem",
     "Load",
@@ -55,6 +58,7 @@ __all__ = [
     "Promises",
     "SarcomereDensity",
     "Signal",
+    "StabilityCase",
     "StepReport",
     "StepResult",
     "Surface",

@@ -1,0 +1,171 @@
+"""Pool: workers that try cells side by side, each in a process of its own, and are replaced when they hang or crash."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator, Sequence
+from time import perf_counter
+from typing import IO, Any, final
+
+from myobridge.atlas.cell import Cell, Finding
+from myobridge.interrupts import Interrupts
+
+__all__ = ["in_this_process", "in_workers"]
+
+# Beyond the computing time that a cell may take: import, compilation, the reference run.
+_GRACE = 180.0
+# In the full atlas a cell is tried at about this many steps.
+_TRIALS = 16
+
+
+def in_this_process(cells: Sequence[Cell], interrupts: Interrupts) -> Iterator[Finding]:
+    """Try cells one after the other here, unguarded: one that hangs, hangs."""
+    from myobridge.atlas.judgement import found
+
+    for cell in cells:
+        interrupts.check()
+        try:
+            yield found(cell)
+        except Exception as error:  # as in a worker
+            yield Finding.of(cell, "fails", why=f"{type(error).__name__}: {error}")
+
+
+def in_workers(cells: Sequence[Cell], count: int, interrupts: Interrupts) -> Iterator[Finding]:
+    """Try cells in `count` processes; findings come as they are finished.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When interrupted; the workers are stopped, and what they were at is lost.
+    """
+    waiting: queue.SimpleQueue[Cell] = queue.SimpleQueue()
+    for cell in cells:
+        waiting.put(cell)
+    done: queue.SimpleQueue[Finding] = queue.SimpleQueue()
+    slots = [_Slot(waiting, done) for _ in range(min(count, len(cells)))]
+    try:
+        for slot in slots:
+            slot.thread.start()
+        for _ in cells:
+            while True:
+                interrupts.check()
+                try:
+                    finding = done.get(timeout=0.2)
+                    break
+                except queue.Empty:
+                    if not any(slot.thread.is_alive() for slot in slots) and done.empty():
+                        raise RuntimeError("all workers of the atlas have ended early") from None
+            yield finding
+    finally:
+        for slot in slots:
+            slot.stop()
+
+
+@final
+class _Slot:
+    """A thread with a worker of its own."""
+
+    def __init__(self, waiting: queue.SimpleQueue[Cell], done: queue.SimpleQueue[Finding]) -> None:
+        self.waiting, self.done = waiting, done
+        self.thread = threading.Thread(target=self._loop, daemon=True)
+        self.process: subprocess.Popen[str] | None = None
+        self.stopped = False
+        self.complaints: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, as long as the slot
+
+    def stop(self) -> None:
+        """End the worker, whatever it is at."""
+        self.stopped = True
+        self._kill()
+
+    def _kill(self) -> None:
+        process = self.process
+        if process is not None:
+            with contextlib.suppress(OSError):
+                process.kill()
+
+    def _loop(self) -> None:
+        while not self.stopped:
+            try:
+                cell = self.waiting.get_nowait()
+            except queue.Empty:
+                break
+            finding = self._tried(cell)
+            if not self.stopped:
+                self.done.put(finding)
+        self._kill()
+
+    def _tried(self, cell: Cell) -> Finding:
+        started = perf_counter()
+        allowed = cell.case.seconds * (_TRIALS if cell.full and cell.case.bisect else 1) + _GRACE
+        if self.process is None or self.process.poll() is not None:
+            self.process = self._started()
+        process = self.process
+        late = threading.Event()
+
+        def end() -> None:
+            late.set()
+            self._kill()
+
+        timer = threading.Timer(allowed, end)
+        timer.start()
+        try:
+            line = _asked(process, cell)
+        finally:
+            timer.cancel()
+        if line:
+            return Finding(**json.loads(line))
+        code, self.process = process.wait(), None
+        why = f"did not end within {allowed:g} s" if late.is_set() else f"the process died: {self._last_words(code)}"
+        return Finding.of(cell, "fails", why=why, seconds=perf_counter() - started)
+
+    def _started(self) -> subprocess.Popen[str]:
+        self.complaints.seek(0)
+        self.complaints.truncate()
+        # One thread each: cells side by side make the better use of the machine. A group of its own, because Ctrl-C
+        # in a terminal goes to every process there.
+        alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        return subprocess.Popen(
+            [sys.executable, "-m", "myobridge.atlas.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.complaints,
+            text=True,
+            encoding="utf-8",
+            env={**os.environ, **alone, "NUMBA_NUM_THREADS": "1"},
+            start_new_session=True,
+        )
+
+    def _last_words(self, code: int) -> str:
+        self.complaints.seek(0)
+        lines = self.complaints.read().decode(errors="replace").strip().splitlines()
+        how = f"exit code {code}"
+        if code < 0:
+            with contextlib.suppress(ValueError):
+                how = signal.Signals(-code).name
+        return f"{how}{': ' + lines[-1] if lines else ''}"
+
+
+def _asked(process: subprocess.Popen[str], cell: Cell) -> str:
+    """Answer of a worker; empty where it died."""
+    request: dict[str, Any] = {
+        "case": cell.name,
+        "variant": cell.variant,
+        "address": cell.address,
+        "full": cell.full,
+    }
+    assert process.stdin is not None
+    assert process.stdout is not None
+    try:
+        process.stdin.write(json.dumps(request) + "\n")
+        process.stdin.flush()
+        return process.stdout.readline()
+    except (OSError, ValueError):  # a pipe that is closed
+        return ""
