@@ -10,7 +10,6 @@ from typing import Any, ClassVar, final
 import attrs
 import numpy as np
 
-from myobridge.errors import ParameterError, within
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
     ActiveLaw,
@@ -24,16 +23,21 @@ from myobridge.interfaces import (
     MeshSource,
     Motion,
     VisibleMesh,
+    Works,
 )
 from myobridge.parameters import choice, integer, number, numbers, part, parts, records
 from myobridge_plugins.macro_solid.finite_element import forces, momenta
 from myobridge_plugins.macro_solid.finite_element.body import Body
+from myobridge_plugins.macro_solid.finite_element.building import build
 from myobridge_plugins.macro_solid.finite_element.element_pairs import PAIRS
-from myobridge_plugins.macro_solid.finite_element.loading import acceleration
 from myobridge_plugins.macro_solid.finite_element.regions import Region
+from myobridge_plugins.macro_solid.finite_element.step import Step
 from myobridge_plugins.macro_solid.finite_element.supports import Support
 
 __all__ = ["FiniteElement"]
+
+# [Pa] Bulk modulus beyond which the mean of the pressure over a step rings.
+_STIFF = 1e6
 
 
 @final
@@ -69,6 +73,8 @@ class FiniteElement(MacroSolid):
         Element pair; ``P2-P1`` or ``Q2-P1disc`` without.
     bulk_modulus : float
         kappa [Pa], infinite for strict incompressibility (effect `incompressibility`).
+    viscosity : float
+        eta [Pa s] of Kelvin and Voigt, S = eta dE/dt with Green's strain E (effect `viscosity`).
     gravity : float or sequence of float
         Acceleration [m/s^2], downwards along the last axis where it is one number (effect `gravity`).
     density : float
@@ -99,6 +105,9 @@ class FiniteElement(MacroSolid):
     bulk_modulus: float | None = number(
         None, unit="Pa", within="(0, inf]", effect="incompressibility", on=math.inf, doc="bulk modulus; inf: strict"
     )
+    viscosity: float | None = number(
+        None, unit="Pa s", within="[0, inf)", effect="viscosity", on=10.0, doc="viscosity of the tissue"
+    )
     gravity: tuple[float, ...] | float | None = numbers(
         None, unit="m/s^2", effect="gravity", on=9.81, doc="acceleration; one number: downwards along the last axis"
     )
@@ -110,27 +119,7 @@ class FiniteElement(MacroSolid):
 
     @cached_property
     def _body(self) -> Body:
-        if self.shared is not None:
-            return self.shared
-        if self.quadrature in (3, 4):
-            raise ParameterError("quadrature", f"is {self.quadrature}, whose rule on tetrahedra has a negative weight")
-        with within("mesh"):
-            mesh = self.mesh.mesh()
-        weight = None if self.gravity is None else self.density * acceleration(self.gravity, mesh.p.shape[0])
-        return Body.of(
-            mesh,
-            self.material,
-            self.fibres,
-            regions=self.region,
-            supports=self.support,
-            loads=self.load,
-            elements=self.elements,
-            bulk_modulus=self.bulk_modulus,
-            weight=weight,
-            thickness=self.thickness,
-            degree=self.quadrature,
-            threads=self.threads,
-        )
+        return self.shared or build(self)
 
     # ------------------------------------------------------------------ sizes
 
@@ -188,7 +177,41 @@ class FiniteElement(MacroSolid):
     def balance(
         self, motion: Motion, law: ActiveLaw | None, time: float, *, rate: bool = True, tangent: bool = False
     ) -> Balance:
-        return forces.balance(self._body, motion, law, time, self.bulk_modulus, rate=rate, tangent=tangent)
+        moduli = (self.bulk_modulus, self.viscosity)
+        return forces.balance(self._body, motion, law, time, *moduli, rate=rate, tangent=tangent)
+
+    def step_balance(
+        self,
+        start: Motion,
+        end: Motion,
+        law: ActiveLaw | None,
+        times: tuple[float, float],
+        *,
+        multiplier: Array | None = None,
+        tangent: bool = False,
+    ) -> Balance:
+        step = Step(self._body, start, end, law, times, multiplier, self.bulk_modulus, self.viscosity)
+        return step.balance(tangent=tangent)
+
+    def step_works(
+        self,
+        start: Motion,
+        end: Motion,
+        law: ActiveLaw | None,
+        times: tuple[float, float],
+        *,
+        multiplier: Array | None = None,
+    ) -> Works:
+        return Step(self._body, start, end, law, times, multiplier, self.bulk_modulus, self.viscosity).works()
+
+    def viscous_force(self, motion: Motion, time: float) -> Array | None:
+        if not self.viscosity:
+            return None
+        return forces.viscous_force(self._body, motion, time, self.viscosity)[self._body.free]
+
+    @property
+    def stiff_constraint(self) -> bool:
+        return self.bulk_modulus is None or self.bulk_modulus > _STIFF
 
     def external_force(self, displacement: Array, time: float) -> Array:
         body = self._body
@@ -198,7 +221,8 @@ class FiniteElement(MacroSolid):
         return forces.external_stiffness(self._body, displacement, time)
 
     def reactions(self, motion: Motion, tension: Array, time: float) -> Mapping[str, Array]:
-        return forces.per_support(self._body, forces.total_force(self._body, motion, tension, time))
+        force = forces.total_force(self._body, motion, tension, time, self.viscosity)
+        return forces.per_support(self._body, force)
 
     def supported_load(self, time: float) -> Mapping[str, Array]:
         rest = self._body.displacement(np.zeros(self.n_unknowns), time)
@@ -212,11 +236,7 @@ class FiniteElement(MacroSolid):
     # ------------------------------------------------------------------ energy, momentum
 
     def elastic_energy(self, displacement: Array, time: float = 0.0) -> float:
-        body = self._body
-        full = body.displacement(displacement, time)
-        return (
-            body.assembly.energy(full) + body.loading.energy(full) + forces.bulk_energy(body, full, self.bulk_modulus)
-        )
+        return forces.elastic_energy(self._body, self._body.displacement(displacement, time), self.bulk_modulus)
 
     @cached_property
     def _node_mass(self) -> Any:

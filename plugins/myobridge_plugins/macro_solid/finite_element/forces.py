@@ -15,15 +15,19 @@ import numpy as np
 
 from myobridge.interfaces import ActiveLaw, Array, Balance, Matrix, Motion
 from myobridge_plugins.macro_solid.finite_element.body import Body
+from myobridge_plugins.macro_solid.finite_element.viscosity import add_viscosity
 
 __all__ = [
     "at_points",
     "balance",
-    "bulk_energy",
+    "elastic_energy",
     "external_stiffness",
     "per_support",
     "support_work",
     "total_force",
+    "viscous_force",
+    "volume_change",
+    "with_constraint",
 ]
 
 
@@ -33,71 +37,109 @@ def balance(
     law: ActiveLaw | None,
     time: float,
     bulk_modulus: float | None,
+    viscosity: float | None,
     *,
     rate: bool,
     tangent: bool,
 ) -> Balance:
     """Balance of the free numbers; a bulk modulus that is not finite keeps the volume.
 
-    Where the law depends on the rate, the stiffness is the derivative at a given stretch rate: that at a given velocity
-    has one more term, unsymmetric, which vanishes where fibres do not turn. Newton's method hardly misses it.
+    Where something depends on the rate, the stiffness is the derivative at a given rate of stretch and strain: that at
+    a given velocity has one more term, unsymmetric, which vanishes where nothing turns or deforms meanwhile. Newton's
+    method hardly misses it.
     """
     assembly, free = body.assembly, body.free
     full, pressure = body.displacement(motion.displacement, time), body.pressure(motion.multiplier)
+    viscous = bool(viscosity) and rate
+    moving = body.velocity(motion.velocity, time) if rate else None
     tension = stiffness = sensitivity = None
     if law is not None and body.n_sites:
         # A law with a potential does not depend on the rate.
-        moving = body.velocity(motion.velocity, time) if rate and not law.has_potential else None
-        here = assembly.kinematics(full, moving)
+        here = assembly.kinematics(full, None if law.has_potential else moving)
         answer = law.evaluate(here.stretch[: body.n_sites], here.rate[: body.n_sites])
         tension, stiffness = at_points(body, answer.tension), at_points(body, answer.stiffness)
-        if moving is not None and answer.rate_sensitivity is not None:
+        if rate and not law.has_potential and answer.rate_sensitivity is not None:
             sensitivity = at_points(body, answer.rate_sensitivity)
     sums = assembly.sums(full, pressure, tension, stiffness, tangent=tangent)
-    external = body.loading.external(full, time)
+    damping = None
+    if tangent and sensitivity is not None:
+        damping = assembly.sums(full, 0.0 * pressure, None, sensitivity, tangent=True, passive=False).stiffness
+    elif tangent and viscous:
+        damping = np.zeros_like(sums.stiffness)
     largest = body.modulus + sums.largest + float(np.abs(pressure).max(initial=0.0))
+    if viscous:
+        assert viscosity is not None
+        assert moving is not None
+        tangents = (sums.stiffness, damping) if tangent else ()
+        largest += add_viscosity(assembly, viscosity, full, moving, sums.force, *tangents)
+    external = body.loading.external(full, time)
     found = Balance(
         (sums.force + body.loading.bedding(full, time) - external)[free],
         magnitude=largest * body.section + float(np.linalg.norm(external)),
         symmetric=not body.loading.follows,
     )
-    soft = bulk_modulus is not None and math.isfinite(bulk_modulus)
-    if pressure.size:
-        constraint = sums.constraint[body.free_multipliers]
-        if soft:
-            constraint = constraint - body.multiplier_mass @ motion.multiplier / bulk_modulus
-        found = found._replace(constraint=constraint, constraint_magnitude=body.constraint_magnitude)
+    found = with_constraint(
+        body, found, sums.constraint, sums.gradient if tangent else None, motion.multiplier, bulk_modulus
+    )
     if not tangent:
         return found
-    pattern = assembly.pattern
-    matrix = pattern.stiffness.matrix(sums.stiffness)
+    matrix = assembly.pattern.stiffness.matrix(sums.stiffness)
     for stored in (True, False):
         added = body.loading.stiffness(full, time, stored=stored)
         if added is not None:
             matrix = matrix + added[free][:, free]
-    found = found._replace(stiffness=matrix)
-    if pressure.size:
-        found = found._replace(constraint_gradient=pattern.gradient.matrix(sums.gradient))
-        if soft:
-            found = found._replace(constraint_compliance=body.multiplier_mass / bulk_modulus)
-    if sensitivity is not None:
-        damping = assembly.sums(full, 0.0 * pressure, None, sensitivity, tangent=True, passive=False)
-        found = found._replace(damping=pattern.stiffness.matrix(damping.stiffness))
-    return found
+    return found._replace(
+        stiffness=matrix, damping=None if damping is None else assembly.pattern.stiffness.matrix(damping)
+    )
 
 
-def total_force(body: Body, motion: Motion, tension: Array, time: float) -> Array:
+def with_constraint(
+    body: Body,
+    found: Balance,
+    change: Array,
+    gradient: Array | None,
+    multiplier: Array,
+    bulk_modulus: float | None,
+) -> Balance:
+    """The balance with its constraint: `change` of volume on all numbers, and the data of its gradient where wanted."""
+    if not multiplier.size:
+        return found
+    constraint, compliance = change[body.free_multipliers], None
+    if bulk_modulus is not None and math.isfinite(bulk_modulus):
+        constraint = constraint - body.multiplier_mass @ multiplier / bulk_modulus
+        compliance = body.multiplier_mass / bulk_modulus if gradient is not None else None
+    return found._replace(
+        constraint=constraint,
+        constraint_magnitude=body.constraint_magnitude,
+        constraint_gradient=None if gradient is None else body.assembly.pattern.gradient.matrix(gradient),
+        constraint_compliance=compliance,
+    )
+
+
+def viscous_force(body: Body, motion: Motion, time: float, viscosity: float) -> Array:
+    """Share of viscosity in the internal force on every number [N]."""
+    force = np.zeros(body.n_full)
+    full, moving = body.displacement(motion.displacement, time), body.velocity(motion.velocity, time)
+    add_viscosity(body.assembly, viscosity, full, moving, force)
+    return force
+
+
+def total_force(body: Body, motion: Motion, tension: Array, time: float, viscosity: float | None = None) -> Array:
     """Internal minus external force on every number, held ones included [N]: there it is the reaction."""
     full, pressure = body.displacement(motion.displacement, time), body.pressure(motion.multiplier)
     active = at_points(body, tension) if tension.size else None
     sums = body.assembly.sums(full, pressure, active, None, tangent=False)
-    return sums.force + body.loading.bedding(full, time) - body.loading.external(full, time)
+    force = sums.force + body.loading.bedding(full, time) - body.loading.external(full, time)
+    return force + viscous_force(body, motion, time, viscosity) if viscosity else force
 
 
 def support_work(
     body: Body, stage: Motion, law: ActiveLaw | None, stage_time: float, times: tuple[float, float]
 ) -> float:
-    """Reactions at a stage times the way of what is held, between two times [J]."""
+    """Reactions at a stage times the way of what is held, between two times [J].
+
+    Without those of viscosity: what it takes is booked on the free numbers alone (`viscous_force`).
+    """
     if not body.held.moving:
         return 0.0
     start, end = (body.held.displacement(np.zeros(body.n_full), time) for time in times)
@@ -130,13 +172,20 @@ def external_stiffness(body: Body, displacement: Array, time: float) -> Matrix |
     return None if found is None else found[body.free][:, body.free]
 
 
-def bulk_energy(body: Body, full: Array, bulk_modulus: float | None) -> float:
-    """Energy stored in the change of volume [J]; none where the volume is kept."""
+def elastic_energy(body: Body, full: Array, bulk_modulus: float | None) -> float:
+    """Energy stored in tissue, bedding and the change of volume [J]; none is in a volume that is kept."""
+    stored = body.assembly.energy(full) + body.loading.energy(full)
     if bulk_modulus is None or not math.isfinite(bulk_modulus):
-        return 0.0
-    change = body.assembly.sums(full, np.zeros(body.grid.n_multipliers), None, None, tangent=False).constraint
-    free = change[body.free_multipliers]
-    return 0.5 * bulk_modulus * float(free @ body.projection(free))
+        return stored
+    change = volume_change(body, full)
+    return stored + 0.5 * bulk_modulus * float(change @ body.projection(change))
+
+
+def volume_change(body: Body, full: Array) -> Array:
+    r"""What the free multipliers see of the change of volume, :math:`\int \psi (J - 1)` [m^3]."""
+    pressure = np.zeros(body.grid.n_multipliers)
+    sums = body.assembly.sums(full, pressure, None, None, tangent=False, passive=False)
+    return sums.constraint[body.free_multipliers]
 
 
 def at_points(body: Body, values: Array) -> Array:

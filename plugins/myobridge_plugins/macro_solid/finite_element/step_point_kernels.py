@@ -7,16 +7,16 @@ r"""Stress of a whole step at a point, the discrete gradient of everything that 
               + \frac{\eta}{\Delta t} D
 
 * Material: two Gauss points on the straight way from C_0 to C_1, :math:`C_\pm = \tfrac12(C_0 + C_1) \pm D / \sqrt 3`.
-  An objective law depends on `C` alone, so it is asked at the upper triangular `U` with :math:`U^T U = C`. What the rule
-  leaves is put right along D [1]_: :math:`\alpha\,D : D = W(F_1) - W(F_0) - S : D`. A small D leaves less than round-off,
-  and dividing would only amplify that; then alpha is 0.
+  An objective law depends on `C` alone, so it is asked at the upper triangular `U` with :math:`U^T U = C`. What the
+  rule leaves is put right along D [1]_: :math:`\alpha\,D : D = W(F_1) - W(F_0) - S : D`. A small D leaves less than
+  round-off where the law is smooth, and dividing would only amplify that: then alpha is 0.
 * Pressure: :math:`G = 2\,(\mathrm{cof}\,C_m + \tfrac13 \mathrm{cof}\,D) / (J_0 + J_1)`, and :math:`G : D = J_1 - J_0`.
 * Fibre: T at the mean stretch, and :math:`S : D = T (\lambda_1 - \lambda_0)`.
 
 `S` is symmetric, which keeps the angular momentum.
 
-Rows of `kept`, what a point keeps for its tangent: 0-8 F_m, 9-14 D, 15-20 G, 21-26 the material's S without alpha, 27 D : D,
-28 alpha, 29 J_0, 30 J_1, 31 lambda_0, 32 lambda_1, 33-38 S.
+Rows of `kept`, what a point keeps for its tangent: 0-8 F_m, 9-14 D, 15-20 G, 21-26 the material's S without alpha,
+27 D : D, 28 alpha, 29 J_0, 30 J_1, 31 lambda_0, 32 lambda_1, 33-38 S.
 
 References
 ----------
