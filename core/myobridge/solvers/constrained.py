@@ -93,16 +93,17 @@ class ConstrainedMass:
         SingularMatrix
             If the gradient has not full rank.
         """
-        if self._gradient is None:
+        gradient, acting = self._gradient, self._acting
+        if gradient is None or acting is None:
             return self.inverse(force), np.empty(0)
         if self._whole is not None:
-            n, m = force.size, self._gradient.shape[0]
+            n, m = force.size, gradient.shape[0]
             right = np.concatenate([force, self._unit * np.broadcast_to(rate, (m,))])
             found = self._whole.solve(right)
             return found[:n], self._unit * found[n:]
         free = self.inverse(force)
-        multiplier = self._multiplier(self._gradient @ free - rate, tolerance)
-        return free - self.inverse(self._acting.T @ multiplier), multiplier  # pyright: ignore[reportOptionalMemberAccess]
+        multiplier = self._multiplier(gradient @ free - rate, tolerance)
+        return free - self.inverse(acting.T @ multiplier), multiplier
 
     # ------------------------------------------------------------------ inside
 

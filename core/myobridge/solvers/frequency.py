@@ -38,7 +38,7 @@ def largest_frequency(
     time: float,
     *,
     start: Array | None = None,
-    accuracy: float = 1e-2,
+    accuracy: float = 1e-3,
     most: int = 60,
 ) -> Frequency:
     """Largest frequency by Lanczos iterations in the norm of the mass.
@@ -48,7 +48,7 @@ def largest_frequency(
     start : ndarray, optional
         Shape to begin with, such as that of an earlier motion; without, one that holds every frequency.
     accuracy : float
-        Relative error at which it stops; the error that is left is added to the answer.
+        Relative error of the square at which it stops; the error that is left is added to the answer.
     most : int
         Iterations at most.
 
@@ -65,15 +65,18 @@ def largest_frequency(
     yielding = compliance_solver(solid)
     strict = ConstrainedMass(solid, gradient if yielding is None else None, inertance=inertance)
     assert stiffness is not None
-    assert gradient is not None or yielding is None
 
     def image(vector: Array) -> Array:
         force = stiffness @ vector
         if yielding is not None:  # the multiplier follows the displacement like a spring
+            assert gradient is not None
             force = force + gradient.T @ yielding(gradient @ vector)
         return strict.solve(force, 0.0, _ROUGH)[0]
 
-    first = np.random.default_rng(1).standard_normal(n) if start is None else start
+    # A shape that was largest once is helped by a little of everything: another may be by now.
+    first = np.random.default_rng(1).standard_normal(n)
+    if start is not None:
+        first = 0.1 * float(np.linalg.norm(start)) / float(np.linalg.norm(first)) * first + start
     vector = strict.solve(times(mass, first), 0.0, _ROUGH)[0]
     length = math.sqrt(float(vector @ times(mass, vector)))
     if length == 0.0:
