@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from fnmatch import fnmatchcase
 
@@ -10,7 +11,7 @@ from myobridge.atlas.cell import Cell
 from myobridge.atlas.methods import methods_of
 from myobridge.errors import MyobridgeError, PluginError, nearest
 from myobridge.interfaces import StabilityCase
-from myobridge.registry import registry
+from myobridge.registry import PluginWarning, registry
 from myobridge.scene import Scene
 
 __all__ = ["cells_of", "chosen"]
@@ -59,9 +60,20 @@ def chosen(
     ------
     MyobridgeError
         If a pattern matches nothing; the message suggests the nearest name.
+
+    Warns
+    -----
+    PluginWarning
+        Once for each case whose data are wrong; it is left out.
     """
-    wanted = {name: case for name, case in cases.items() if not case_patterns or _maybe(name, case, case_patterns)}
-    cells = [cell for name, case in wanted.items() for cell in cells_of(name, case, full=full)]
+    cells: list[Cell] = []
+    for name, case in cases.items():
+        if case_patterns and not _maybe(name, case, case_patterns):
+            continue
+        try:
+            cells += cells_of(name, case, full=full)
+        except PluginError as error:
+            warnings.warn(f"{error}. It is left out", PluginWarning, stacklevel=3)
     rows = sorted({row for name, case in cases.items() for row in _rows(name, case)})
     for pattern in case_patterns:
         _must_match("--case", pattern, any(_row_matches(cell, pattern) for cell in cells), {*rows, *cases})

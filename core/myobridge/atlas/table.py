@@ -18,9 +18,9 @@ _STYLES = {"holds": "green", "fails": "yellow", "not applicable": "dim"}
 def chart_table(chart: Chart) -> Group:
     """One line a row of the atlas: which methods hold, which fail; then what differs from what is expected."""
     table = Table(title="stability atlas", title_justify="left")
-    table.add_column("case", no_wrap=True)
+    table.add_column("case", overflow="fold")
     for heading in ("default", "hold", "fail", "do not apply"):
-        table.add_column(heading)
+        table.add_column(heading, overflow="fold")
     for row in chart.rows:
         findings = [finding for finding in chart.findings if finding.row == row]
         default = [finding for finding in findings if finding.axis == "default"]
