@@ -38,13 +38,18 @@ class FieldRecorder:
     names : sequence of str, optional
         Fields to keep; all that exist without, none when empty.
     every : int
-        Steps between two kept states; 0 spreads 20 to 40 states over the run.
+        Steps between two kept states; 0 spreads 20 to 40 states over the run, or leaves it to `times`.
     simulation : Simulation
+    times : sequence of float
+        Times [s] whose states are kept as well; steps have to end there.
     """
 
-    def __init__(self, names: Sequence[str] | None, every: int, simulation: Simulation) -> None:
+    def __init__(
+        self, names: Sequence[str] | None, every: int, simulation: Simulation, times: Sequence[float] = ()
+    ) -> None:
         self.names = names
         self.every = every
+        self.times = times
         self.mesh = None if names == () else simulation.solid.visible_mesh()
         self.snapshots: list[FieldSnapshot] = []
 
@@ -56,14 +61,20 @@ class FieldRecorder:
         """Keep the state if it is due."""
         if self.mesh is None:
             return
-        steps, gap = simulation.steps, stride(simulation.steps, self.every)
+        steps = simulation.steps
         if self.snapshots and self.snapshots[-1].step == steps:
             return
-        if steps % gap != 0 and not last:
+        if not self._due(steps, simulation.time, steps) and not last:
             return
-        self.snapshots = [state for state in self.snapshots if state.step % gap == 0]
+        self.snapshots = [state for state in self.snapshots if self._due(state.step, state.time, steps)]
         found = self._read(simulation)
         self.snapshots.append(found.sharing(self.snapshots[-1]) if self.snapshots else found)
+
+    def _due(self, step: int, time: float, steps: int) -> bool:
+        """Whether the state of this step and time is one to keep after `steps` steps."""
+        if step == 0 or any(abs(time - wanted) <= 1e-9 * max(1.0, time) for wanted in self.times):
+            return True
+        return (self.every > 0 or not self.times) and step % stride(steps, self.every) == 0
 
     def _read(self, simulation: Simulation) -> FieldSnapshot:
         assert self.mesh is not None
@@ -83,8 +94,10 @@ def sites_of(simulation: Simulation) -> Mapping[str, Array]:
     return {} if simulation.bus is None else {"stretch": simulation.bus.stretch, **simulation.bus.fields()}
 
 
-def check_fields(names: Sequence[str] | None, every: int, simulation: Simulation, steps: int) -> None:
-    """Whether the fields exist and a run of `steps` steps can hold them.
+def check_fields(
+    names: Sequence[str] | None, every: int, simulation: Simulation, steps: int, times: Sequence[float] = ()
+) -> None:
+    """Whether the fields exist and a run of `steps` steps can hold them, those of `times` among them.
 
     Raises
     ------
@@ -106,11 +119,12 @@ def check_fields(names: Sequence[str] | None, every: int, simulation: Simulation
             )
     kept = {"displacement", *names} if names is not None else set(found.names)
     size = sum(array.nbytes for name, array in [*found.at_nodes.items(), *found.on_cells.items()] if name in kept)
-    needed, there = size * (steps // stride(steps, every) + 2), memory_of_this_machine()
-    if needed > 0.5 * there:
+    regular = steps // stride(steps, every) if every > 0 or not times else 0
+    states = regular + len(times) + 2
+    if size * states > 0.5 * memory_of_this_machine():
         raise ParameterError(
             "fields_every",
-            f"is {every}: {steps // stride(steps, every) + 2:,} states of {size / 2**20:,.3g} MiB need more than half "
+            f"is {every}: {states:,} states of {size / 2**20:,.3g} MiB need more than half "
             f"of this machine's memory; keep fewer, or 0 for at most {MOST_STATES}",
         )
 

@@ -76,6 +76,9 @@ class Record:
     fields_every : int
         Steps between two states whose fields are kept; the first and the last always are. 0: evenly spread, 40 states
         and the last at most, however long the run.
+    fields_at : sequence of float
+        Times at which fields are kept; steps end there. No others are then, but for the first, the last, and those of
+        `fields_every` where that is given.
     checkpoint_every : float
         Seconds of computing from one complete file on disk to the next.
     """
@@ -89,6 +92,9 @@ class Record:
     )
     fields: tuple[str, ...] | None = attrs.field(default=None, converter=_fields)
     fields_every: int = integer(0, doc="steps between kept states of a body; 0: at most 40, evenly spread")
+    fields_at: tuple[float, ...] | float = numbers(
+        (), unit="s", within="[0, inf)", doc="times at which a body's fields are kept"
+    )
     checkpoint_every: float = number(30.0, unit="s", within="(0, inf)", doc="computing time between files")
 
     def wanted(self, solid: MacroSolid) -> tuple[str, ...]:
@@ -109,7 +115,7 @@ class Record:
             With the key, what is wrong and what is allowed.
         """
         self.columns(simulation.solid)
-        check_fields(self.fields, self.fields_every, simulation, steps)
+        check_fields(self.fields, self.fields_every, simulation, steps, self.field_times())
 
     def columns(self, solid: MacroSolid) -> np.ndarray:
         """Indices of the sites that are kept."""
@@ -140,6 +146,10 @@ class Record:
     def density_times(self) -> list[float]:
         """Times at which the density is kept [s], sorted."""
         return sorted({float(time) for time in np.atleast_1d(self.density_at)})
+
+    def field_times(self) -> list[float]:
+        """Times at which fields are kept [s], sorted."""
+        return sorted({float(time) for time in np.atleast_1d(self.fields_at)})
 
 
 @attrs.frozen(eq=False)
@@ -183,12 +193,12 @@ class Recorder:
         self.record = record
         self.columns = record.columns(simulation.solid)
         self.snapshots: list[DensitySnapshot] = []
-        self.body = FieldRecorder(record.fields, record.fields_every, simulation)
+        self.body = FieldRecorder(record.fields, record.fields_every, simulation, record.field_times())
         self._rows: dict[str, _Rows] = {}
         self._pending = record.density_times()
         self._last_time = -np.inf
         self._sources = sources(record.wanted(simulation.solid), simulation, self.columns)
-        simulation.stop_at([time for time in self._pending if time > 0.0])
+        simulation.stop_at([time for time in (*self._pending, *record.field_times()) if time > 0.0])
 
     def resume(
         self,

@@ -128,9 +128,11 @@ def sizes_table(plan: Plan) -> Table:
     table.add_row("record", f"every {record.every:,} steps: {', '.join(quantities) or 'time only'}")
     mesh = solid.visible_mesh()
     if mesh is not None and record.fields != ():
-        gap = stride(steps, record.fields_every)
+        times = [f"at {', '.join(f'{time:g}' for time in record.field_times())} s"] if record.field_times() else []
+        if record.fields_every > 0 or not times:
+            times.append(f"every {stride(steps, record.fields_every):,} steps")
         names = "all that exist" if record.fields is None else ", ".join(record.fields)
-        table.add_row("fields", f"every {gap:,} steps, on {len(mesh.cells):,} cells: {names}")
+        table.add_row("fields", f"{' and '.join(times)}, on {len(mesh.cells):,} cells: {names}")
     return table
 
 

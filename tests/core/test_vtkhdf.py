@@ -167,6 +167,26 @@ def test_a_loaded_result_is_the_saved_one(moving, tmp_path: Path) -> None:
         again.fields[0]["tensoin"]
 
 
+def test_states_are_kept_at_chosen_times(moving) -> None:
+    """Steps of 0.05 s end at 0.33 s too; no others are kept unless they are asked for."""
+    result = moving("triangle", {"fields_at": [0.33, 0.5], "fields": ["tension"]}).to(1.0)
+    assert [state.time for state in result.fields] == [0.0, 0.33, 0.5, 1.0]
+    both = moving("triangle", {"fields_at": [0.33], "fields_every": 8, "fields": ["tension"]}).to(1.0)
+    assert [state.time for state in both.fields] == pytest.approx([0.0, 0.33, 0.35, 0.75, 1.0])
+
+
+@pytest.mark.parametrize("cut", [0.2, 0.45])
+def test_a_resumed_run_has_the_chosen_times(cut: float, moving, tmp_path: Path) -> None:
+    record = {"fields_at": [0.33, 0.5], "fields": ["tension"]}
+    whole = moving("triangle", record).to(1.0)
+    moving("triangle", record, output=tmp_path / "part.h5").to(1.0, until=cut)
+    left = mb.Result.load(tmp_path / "part.h5")
+    continued = moving("triangle", record, output=tmp_path / "part.h5")
+    left.checkpoint.restore(continued.simulation)
+    continued.recorder.resume(left.series, left.densities, left.fields, continued.simulation)
+    assert_same_states(continued.to(1.0), whole)
+
+
 @pytest.mark.parametrize(("every", "cut"), [(0, 0.45), (4, 0.55), (4, 0.6), (0, 2.45), (0, 2.0)])
 def test_a_resumed_run_has_the_states_of_one_that_never_stopped(every: int, cut: float, moving, tmp_path: Path) -> None:
     record, end = {"fields_every": every, "fields": ["tension"]}, 1.0 if cut < 1.0 else 3.0
