@@ -13,7 +13,9 @@ from myobridge.solvers.explicit import (
     elastic_multiplier,
     point_force,
 )
+from myobridge.solvers.fgmres import fgmres
 from myobridge.solvers.frequency import Frequency, largest_frequency
+from myobridge.solvers.held import HeldTangent
 from myobridge.solvers.inertia import Inertia, InertiaUnknown, inertia
 from myobridge.solvers.linear import (
     SingularMatrix,
@@ -25,7 +27,7 @@ from myobridge.solvers.linear import (
     solve,
     times,
 )
-from myobridge.solvers.newton import Ordinary, is_round_off, iterate, newton
+from myobridge.solvers.newton import ROUND_OFF, Ordinary, is_round_off, iterate, log_step, newton
 from myobridge.solvers.one_step import failed, implicit_stage, stage_report
 from myobridge.solvers.projection import (
     Projected,
@@ -39,12 +41,14 @@ from myobridge.solvers.stage import Formula, Solved, solve_stage
 from myobridge.solvers.step import effective_mass, finished, kinetic_energy, step_report
 
 __all__ = [
+    "ROUND_OFF",
     "Accelerated",
     "Automatic",
     "Choice",
     "ConstrainedMass",
     "Formula",
     "Frequency",
+    "HeldTangent",
     "Inertia",
     "InertiaUnknown",
     "NewtonResult",
@@ -68,6 +72,7 @@ __all__ = [
     "elastic_multiplier",
     "factorise",
     "failed",
+    "fgmres",
     "finished",
     "gradient_at",
     "implicit_stage",
@@ -77,6 +82,7 @@ __all__ = [
     "iterate",
     "kinetic_energy",
     "largest_frequency",
+    "log_step",
     "mass_solver",
     "newton",
     "onto_constraint",

@@ -44,6 +44,8 @@ def recalled(memory: Memory, solid: MacroSolid) -> KeptTangent | None:
         return None
     arrays = {name: array for name, array in memory.items() if name.startswith(_PREFIX) and name != _PREFIX + "work"}
     parts = {name: _matrix(arrays, name) for name in _PARTS}
+    if parts["gradient"] is None:  # the same, kept once
+        parts["gradient"] = parts["transposed_gradient"]
     system = LinearSystem(**parts, rigid_motions=solid.rigid_motions(), symmetric=bool(mark[0]))
     known = _FACTORS.get(id(mark))
     factors = known[1] if known is not None and known[0]() is mark else None
@@ -63,6 +65,8 @@ def _arrays(system: LinearSystem) -> Mapping[str, Array]:
     found: dict[str, Any] = {_PREFIX + "mark": np.array([float(system.symmetric)])}
     for name in _PARTS:
         matrix = getattr(system, name)
+        if name == "gradient" and matrix is system.transposed_gradient:
+            continue
         if isinstance(matrix, np.ndarray):
             found[f"{_PREFIX}{name}/dense"] = matrix
         elif matrix is not None:

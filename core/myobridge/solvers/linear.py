@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces import Array, LinearSystem, MacroSolid, Matrix
+from myobridge.work import count
 
 __all__ = [
     "SingularMatrix",
@@ -17,6 +18,7 @@ __all__ = [
     "add_scaled",
     "bordered",
     "mass_solver",
+    "norm_of",
     "saddle",
     "solve",
     "times",
@@ -49,6 +51,11 @@ def add_scaled(matrix: Matrix, factor: float, other: Matrix | None) -> Matrix:
 
         return matrix + sparse.diags_array(factor * other)
     return matrix + factor * other
+
+
+def norm_of(matrix: Matrix) -> float:
+    """Square root of the sum of squares of all entries."""
+    return float(np.linalg.norm(matrix if isinstance(matrix, np.ndarray) else matrix.data))
 
 
 def absolute_product(matrix: Matrix | LinearSystem, vector: Array) -> Array:
@@ -116,6 +123,7 @@ def solve(matrix: Matrix | LinearSystem, vector: Array) -> Array:
         If the residual was not reached.
     """
     if isinstance(matrix, np.ndarray):
+        count("factorisations")
         if matrix.size == 1:
             if matrix[0, 0] == 0.0:
                 raise SingularMatrix

@@ -31,11 +31,14 @@ from myobridge.interfaces import (
 from myobridge.parameters import integer, number, part
 from myobridge.solvers.choice import factorise
 from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_product, solve
+from myobridge.work import count
 
-__all__ = ["Correction", "Ordinary", "is_round_off", "iterate", "newton"]
+__all__ = ["ROUND_OFF", "Correction", "Ordinary", "is_round_off", "iterate", "log_step", "newton"]
 
 _LOG = logging.getLogger("myobridge.newton")
-_ROUND_OFF = 16.0 * float(np.finfo(float).eps)
+ROUND_OFF = 16.0 * float(np.finfo(float).eps)
+"""Share of the terms that cancel in a residual below which it is zero."""
+
 # The relative residual of the linear systems, where the solver iterates: small enough that nobody sees the difference.
 _LINEAR = 1e-8
 
@@ -76,7 +79,7 @@ def iterate(
         if not math.isfinite(size):
             return NewtonResult(unknowns, False, iteration, "the residual is not finite", tuple(history))
         # A residual below the round-off of its own terms cannot fall any further.
-        if size <= _ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
+        if size <= ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
             return NewtonResult(unknowns, True, iteration, "", tuple(history))
         try:
             found = correction(unknowns, residual)
@@ -101,14 +104,13 @@ def iterate(
             reason = "no admissible point along Newton's direction"
             return NewtonResult(unknowns, False, iteration + 1, reason, tuple(history))
         history.append(NewtonStep(before, fraction, inner, renewed))
-        if _LOG.isEnabledFor(logging.INFO):
-            said = f", {inner} linear iterations" if inner else ""
-            said += "" if renewed else ", tangent kept"
-            _LOG.info("iteration %d: residual %.2e -> %.2e, step %g%s", iteration + 1, before, size, fraction, said)
+        count("newton_iterations")
+        count("inner_iterations", inner)
+        log_step(iteration + 1, history[-1], size)
         unknowns = candidate
-        if fraction == 1.0 and renewed and _size(change) <= _ROUND_OFF * _size(unknowns):
+        if fraction == 1.0 and renewed and _size(change) <= ROUND_OFF * _size(unknowns):
             return NewtonResult(unknowns, True, iteration + 1, "", tuple(history))
-    converged = size <= max(tolerance * first, _ROUND_OFF * magnitude)
+    converged = size <= max(tolerance * first, ROUND_OFF * magnitude)
     reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
     return NewtonResult(unknowns, converged, max_iterations, "" if converged else reason, tuple(history))
 
@@ -224,12 +226,20 @@ def newton(
     return method.solve(_Function(evaluate, admissible), start)
 
 
+def log_step(number: int, step: NewtonStep, size: float) -> None:
+    """Log iteration `number`, which left a residual of this size."""
+    if _LOG.isEnabledFor(logging.INFO):
+        said = f", {step.linear_iterations} linear iterations" if step.linear_iterations else ""
+        said += "" if step.factorised else ", tangent kept"
+        _LOG.info("iteration %d: residual %.2e -> %.2e, step %g%s", number, step.residual, size, step.fraction, said)
+
+
 def is_round_off(tangent: Matrix | LinearSystem, unknowns: Array, residual: Array) -> bool:
     r"""Whether :math:`\|F\| \le 16\,\varepsilon\,\| |F'| |x| \|`: what the last digits of the unknowns stand for.
 
     A factorisation costs hundreds of times more than this question.
     """
-    return _size(residual) <= _ROUND_OFF * _size(absolute_product(tangent, unknowns))
+    return _size(residual) <= ROUND_OFF * _size(absolute_product(tangent, unknowns))
 
 
 def _size(vector: Array) -> float:

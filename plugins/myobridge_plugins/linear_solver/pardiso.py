@@ -112,9 +112,7 @@ def _factored(given: Any, kind: int, whole: Any, *, single: bool) -> Factorisati
         again.run(_ANALYSE_AND_FACTORISE)
         return again.solve
 
-    return DirectFactorisation(
-        whole, in_single(call.solve), text + " in single precision", worth=worth, double=double
-    )
+    return DirectFactorisation(whole, in_single(call.solve), text + " in single precision", worth=worth, double=double)
 
 
 class _Handle(NamedTuple):

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar, final
 
 import attrs
 import numpy as np
 
 from myobridge.hookspecs import hookimpl
-from myobridge.interfaces import Array, KeptTangent, LinearSolver, NewtonMethod, NewtonProblem, NewtonResult
+from myobridge.interfaces import (
+    Array,
+    KeptTangent,
+    LinearSolver,
+    LinearSystem,
+    NewtonMethod,
+    NewtonProblem,
+    NewtonResult,
+)
 from myobridge.parameters import integer, number, part
-from myobridge.solvers import factorise, is_round_off, iterate
+from myobridge.solvers import HeldTangent, UnsolvedSystem, is_round_off, iterate
 
 __all__ = ["Inexact"]
 
@@ -26,8 +35,12 @@ class Inexact(NewtonMethod):
     .. math:: \|F'(x_k)\,\delta_k + F(x_k)\| \le \eta_k\,\|F(x_k)\|, \qquad
               \eta_k = \gamma \Bigl(\frac{\|F(x_k)\|}{\|F(x_{k-1})\|}\Bigr)^2
 
+    The tangent is the true one of every iteration, and GMRES multiplies with it. What preconditions GMRES, a
+    factorisation or a multigrid hierarchy, is kept across iterations and steps, and renewed where iterations with it
+    come dearer (`HeldTangent`), or do not arrive.
+
     The forcing term :math:`\eta` is the second choice of Eisenstat and Walker [2]_, with their safeguards, at most
-    `forcing`. It saves iterations of a solver that iterates; with a direct solver this is the ordinary method.
+    `forcing`.
 
     Parameters
     ----------
@@ -48,7 +61,7 @@ class Inexact(NewtonMethod):
     .. [2] S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17 (1996) 16-32, Eq. (2.6) with gamma = 0.9, alpha = 2.
     """
 
-    summary: ClassVar[str] = "solves its linear systems just well enough (thesis, 1.5.3); for solvers that iterate"
+    summary: ClassVar[str] = "solves its linear systems just well enough (thesis, 1.5.3), with what was factored before"
 
     tolerance: float = number(1e-12, within="(0, 1e-3]", doc="factor by which the residual must fall")
     max_iterations: int = integer(50, within="[1, inf)", doc="iterations after which it has failed")
@@ -57,6 +70,12 @@ class Inexact(NewtonMethod):
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
 
     def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
+        held = HeldTangent(kept, self.linear)
+        found = self.with_held(problem, start, held)
+        return found._replace(kept=held.handed_on()) if found.converged else found
+
+    def with_held(self, problem: NewtonProblem, start: Array, held: HeldTangent) -> NewtonResult:
+        """Solve from `start` with a tangent that the caller holds, and may find renewed."""
         sizes: list[float] = []
         terms: list[float] = []
 
@@ -64,10 +83,10 @@ class Inexact(NewtonMethod):
             tangent = problem.tangent(unknowns)
             if is_round_off(tangent, unknowns, residual):
                 return None
+            system = tangent if isinstance(tangent, LinearSystem) else LinearSystem(tangent, symmetric=False)
             sizes.append(float(np.linalg.norm(residual)))
             terms.append(self._term(sizes, terms))
-            factors = factorise(tangent, self.linear)
-            return factors.solve(residual, terms[-1]), factors.iterations, True
+            return _solved(held, system, residual, terms[-1])
 
         return iterate(
             problem,
@@ -90,6 +109,23 @@ class Inexact(NewtonMethod):
         # No system better than the whole problem wants: half of what is left to fall.
         wanted = 0.5 * self.tolerance * sizes[0] / sizes[-1]
         return min(max(term, wanted, 1e-10), self.forcing)
+
+
+def _solved(held: HeldTangent, system: LinearSystem, residual: Array, term: float) -> tuple[Array, int, bool]:
+    """Correction, applications, whether there are new factors: by those that are there, or by those of this tangent."""
+    digits = -math.log10(term)
+    if not held.empty and not held.worn(digits):
+        try:
+            found, spent = held.factors.solve_near(system, residual, term)
+        except UnsolvedSystem:
+            pass
+        else:
+            held.charge(spent, digits)
+            return found, spent, False
+    held.renew(system)
+    found, spent = held.factors.solve_near(system, residual, term)
+    held.charge(spent, digits)
+    return found, spent, True
 
 
 @hookimpl

@@ -6,39 +6,57 @@ import math
 from typing import ClassVar, final
 
 import attrs
-import numpy as np
 
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
     Array,
     KeptTangent,
     LinearSolver,
-    LinearSystem,
     NewtonMethod,
     NewtonProblem,
     NewtonResult,
+    NewtonStep,
 )
 from myobridge.parameters import integer, number, part
-from myobridge.solvers import Ordinary, factorise, is_round_off, iterate
+from myobridge.solvers import (
+    HeldTangent,
+    Ordinary,
+    SingularMatrix,
+    UnsolvedSystem,
+    is_round_off,
+)
+from myobridge_plugins.newton.anderson import Anderson
+from myobridge_plugins.newton.inexact import Inexact
+from myobridge_plugins.newton.search import Search
 
 __all__ = ["Simplified"]
 
 # Relative residual of a linear solve with a kept tangent: the tangent is further off than that.
-_LINEAR = 1e-4
-# A kept tangent that raises the residual by more than this leads nowhere.
-_GROWTH = 1e3
+_LINEAR = 1e-2
+# A residual that grows by more than this, or a correction of which less than this share is admissible, leads nowhere.
+_GROWTH, _FRACTION = 5.0, 1e-2
+# Slow iterations in a row after which the tangent is renewed: accelerated ones may pause.
+_SLOW = 4
+# A tangent of this solve is renewed only where it has lowered the residual by this factor.
+_GAINED = 0.1
+# Most iterations with the true tangent and factors of another.
+_TRUE = 20
 
 
 @final
 @attrs.frozen
 class Simplified(NewtonMethod):
-    r"""Newton's method that keeps its tangent (thesis [1]_, 1.5.2).
+    r"""Newton's method that keeps its tangent (thesis [1]_, 1.5.2), across iterations and steps, accelerated.
 
     .. math:: F'(x_j)\,\delta_k = -F(x_k), \qquad j \le k
 
-    One factorisation serves as long as every iteration lowers the residual by the factor `contraction`; then the
-    tangent is renewed. It converges linearly, each iteration costs a residual and a triangular solve, a hundredth of a
-    factorisation in space. Where the iterations lead nowhere, the ordinary method goes on from the best point.
+    The residual is the true one; only the tangent is old. Its factors serve as long as that is cheaper than new ones,
+    by a count of solves (`HeldTangent`). Each iteration costs a residual and a triangular solve, a hundredth of a
+    factorisation in space; those before it correct the old tangent (`Anderson`).
+
+    Where the residual grows fivefold, or falls by less than the factor `contraction` again and again, the tangent is
+    renewed at the best point so far. Where that does not help either, the true tangent takes over, solved with the
+    factors that are there (`Inexact`), and at last the ordinary method from the start: what that solves, this does.
 
     Parameters
     ----------
@@ -49,14 +67,16 @@ class Simplified(NewtonMethod):
     backtracks : int
         Most halvings of a correction that leads to a point that is not admissible.
     contraction : float
-        Factor by which the residual must fall in every iteration, else the tangent is renewed.
+        An iteration that lowers the residual by less than this factor is slow.
+    depth : int
+        Earlier iterations that accelerate the next one; 0: none.
     linear : LinearSolver, optional
         Solver of sparse systems; chosen by their size unless given.
 
     Departures
     ----------
-    The thesis keeps the first tangent for a given number of iterations. Here the contraction decides (Deuflhard [2]_),
-    and a tangent may be handed on from one solve to the next.
+    The thesis keeps the first tangent of a step for a given number of iterations. Here costs decide, and contraction
+    (Deuflhard [2]_).
 
     References
     ----------
@@ -64,57 +84,76 @@ class Simplified(NewtonMethod):
     .. [2] P. Deuflhard, Newton Methods for Nonlinear Problems (2011), section 2.1.2.
     """
 
-    summary: ClassVar[str] = "keeps its tangent while the residual falls fast (thesis, 1.5.2)"
+    summary: ClassVar[str] = "keeps its tangent across iterations and steps, accelerated (thesis, 1.5.2)"
 
     tolerance: float = number(1e-12, within="(0, 1e-3]", doc="factor by which the residual must fall")
     max_iterations: int = integer(100, within="[1, inf)", doc="iterations after which it has failed")
     backtracks: int = integer(20, within="[1, inf)", doc="most halvings of a correction")
-    contraction: float = number(0.3, within="(0, 1)", doc="fall of the residual below which the tangent is renewed")
+    contraction: float = number(0.7, within="(0, 1)", doc="fall of the residual below which an iteration is slow")
+    depth: int = integer(5, within="[0, inf)", doc="earlier iterations that accelerate the next one")
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
 
     def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
-        held: list[KeptTangent] = [] if kept is None else [kept]
-        sizes: list[float] = []
-        best: list[tuple[float, Array]] = [(math.inf, start)]
+        search = Search(problem, start, self.backtracks)
+        try:
+            held = HeldTangent(kept, self.linear)
+            if self._found(search, held):
+                served = held.handed_on() if search.history else kept
+                return NewtonResult(search.point, True, len(search.history), "", tuple(search.history), served)
+            true = Inexact(
+                tolerance=min(self.tolerance * search.first / search.best.size, 1e-3) if search.best.size else 1e-3,
+                max_iterations=_TRUE,
+                backtracks=self.backtracks,
+                linear=self.linear,
+            ).with_held(problem, search.best.point, held)
+            search.history.extend(true.history)
+            if true.converged:
+                history = tuple(search.history)
+                return true._replace(iterations=len(history), history=history, kept=held.handed_on())
+        except (SingularMatrix, UnsolvedSystem):
+            pass
+        ordinary = Ordinary(tolerance=self.tolerance, backtracks=self.backtracks, linear=self.linear)
+        rest = ordinary.solve(problem, start)
+        history = (*search.history, *rest.history)
+        return rest._replace(iterations=len(history), history=history)
 
-        def correction(unknowns: Array, residual: Array) -> tuple[Array, int, bool] | None:
-            size = float(np.linalg.norm(residual))
-            slow = bool(sizes) and size > self.contraction * sizes[-1]
-            sizes.append(size)
-            if size < best[0][0]:
-                best[0] = (size, unknowns)
-            renewed = slow or not held
-            if renewed:
-                tangent = problem.tangent(unknowns)
-                if is_round_off(tangent, unknowns, residual):
-                    return None
-                system = tangent if isinstance(tangent, LinearSystem) else LinearSystem(tangent, symmetric=False)
-                held[:] = [KeptTangent(system, factorise(system, self.linear), np.zeros(1))]
-            factors = held[0].factorisation
-            if factors is None:
-                factors = factorise(held[0].system, self.linear)
-                held[:] = [attrs.evolve(held[0], factorisation=factors)]
-            return factors.solve(residual, _LINEAR), factors.iterations, renewed
+    def _found(self, search: Search, held: HeldTangent) -> bool:
+        """Whether a solution was found with tangents held on to."""
+        past, inner, slow = Anderson(self.depth), 0, 0
+        useless, renewed = held.empty, False
+        at_renewal = math.inf
 
-        first = iterate(
-            problem,
-            start,
-            correction,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            backtracks=self.backtracks,
-            growth=_GROWTH,
-        )
-        if first.converged or len(first.history) + 1 >= self.max_iterations:
-            return first._replace(kept=held[0] if held else None)
-        rest = Ordinary(
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations - len(first.history),
-            backtracks=self.backtracks,
-            linear=self.linear,
-        ).solve(problem, best[0][1])
-        history = first.history + rest.history
-        return rest._replace(iterations=first.iterations + rest.iterations, history=history)
+        def inverse(vector: Array) -> Array:
+            nonlocal inner
+            found = held.factors.solve(vector, _LINEAR)
+            inner += held.factors.iterations
+            held.charge(max(held.factors.iterations, 1))
+            return found
+
+        while not search.converged(self.tolerance):
+            if len(search.history) >= self.max_iterations or not math.isfinite(search.size):
+                return False
+            if useless:
+                if search.best.size > _GAINED * at_renewal:
+                    return False
+                search.return_to_best()
+                tangent = search.problem.tangent(search.point)
+                if is_round_off(tangent, search.point, search.residual):
+                    return True
+                held.renew(tangent)
+                past.forget()
+                at_renewal, slow, renewed = search.size, 0, True
+            earlier, residual, before, inner = search.point, search.residual, search.size, 0
+            fraction = search.step(past.correction(residual, inverse))
+            search.note(NewtonStep(before, fraction, inner, renewed))
+            renewed = False
+            slow = slow + 1 if search.size > self.contraction * before else 0
+            if slow and is_round_off(held.system, search.point, search.residual):
+                return True
+            lost = fraction < _FRACTION or search.size > _GROWTH * before
+            useless = lost or slow >= _SLOW or (held.overdrawn and not held.fresh)
+            past.learn(search.point - earlier, search.residual - residual)
+        return True
 
 
 @hookimpl

@@ -1,0 +1,90 @@
+"""Where the iterations of a method are, where they were best, and how they went."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, final
+
+import numpy as np
+
+from myobridge.interfaces import Array, NewtonProblem, NewtonStep
+from myobridge.solvers import ROUND_OFF, log_step
+
+__all__ = ["Place", "Search"]
+
+
+class Place(NamedTuple):
+    """A point, its residual, the norm of that, and the norm of what cancels in it."""
+
+    point: Array
+    residual: Array
+    size: float
+    magnitude: float
+
+
+@final
+class Search:
+    """Iterations from a start.
+
+    Attributes
+    ----------
+    best : Place
+        Of the smallest residual so far.
+    first : float
+        Norm of the residual at the start.
+    history : list of NewtonStep
+    """
+
+    def __init__(self, problem: NewtonProblem, start: Array, backtracks: int) -> None:
+        self.problem, self._backtracks = problem, backtracks
+        self._here = self.best = self._at(start)
+        self.first = self._here.size
+        self.history: list[NewtonStep] = []
+
+    def _at(self, point: Array) -> Place:
+        residual, magnitude = self.problem.residual(point)
+        return Place(point, residual, float(np.linalg.norm(residual)), magnitude)
+
+    @property
+    def point(self) -> Array:
+        """Unknowns now."""
+        return self._here.point
+
+    @property
+    def residual(self) -> Array:
+        """Residual there."""
+        return self._here.residual
+
+    @property
+    def size(self) -> float:
+        """Its norm."""
+        return self._here.size
+
+    def converged(self, tolerance: float) -> bool:
+        """Whether the residual has fallen by the factor `tolerance`, or is the round-off of its own terms."""
+        here = self._here
+        return here.size <= ROUND_OFF * here.magnitude or (bool(self.history) and here.size <= tolerance * self.first)
+
+    def step(self, correction: Array) -> float:
+        """Take a correction away, or half of it, and so on; the share that was admissible, 0 where none was."""
+        fraction = 1.0
+        for _ in range(self._backtracks):
+            candidate = self.point - fraction * correction
+            if self.problem.admissible(candidate):
+                there = self._at(candidate)
+                if math.isfinite(there.size):
+                    self._here = there
+                    if there.size < self.best.size:
+                        self.best = there
+                    return fraction
+            fraction *= 0.5
+        return 0.0
+
+    def return_to_best(self) -> None:
+        """Go back to where the residual was smallest."""
+        self._here = self.best
+
+    def note(self, step: NewtonStep) -> None:
+        """Keep how an iteration went, and log it."""
+        self.history.append(step)
+        log_step(len(self.history), step, self.size)
