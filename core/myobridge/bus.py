@@ -19,6 +19,7 @@ import numpy as np
 
 from myobridge.interfaces import ActivationKinetics, ActiveLaw, Array, CrossBridgeModel, Fluxes, Signal
 from myobridge.stimulation import Stimulation
+from myobridge.work import count
 
 __all__ = ["BusState", "CouplingBus", "FluxTotals"]
 
@@ -112,6 +113,7 @@ class CouplingBus:
         """Attach and detach for `dt` seconds, filaments held; the clock of the activation moves on."""
         started = perf_counter()
         r = self._mean_activation(dt)
+        count("bin_steps", self._trial.size)
         self._trial, fluxes = self.model.react(self._trial, r, self._trial_stretch, dt, self._spare)
         self._book(fluxes)
         self.seconds += perf_counter() - started
@@ -151,6 +153,7 @@ class CouplingBus:
         """Carry and react along the whole path to `stretch` in `dt` seconds, from the trial state."""
         started = perf_counter()
         r = self._mean_activation(dt)
+        count("bin_steps", self._trial.size)
         self._trial, fluxes = self.model.advance(self._trial, r, self._trial_stretch, stretch, dt, self._spare)
         self._book(fluxes)
         self._trial_stretch = stretch
@@ -160,6 +163,7 @@ class CouplingBus:
         """Law [Pa] of the population that `advance` to `stretch` would give, leaving the trial as it is."""
         started = perf_counter()
         r, _ = self._stimulation.mean(self._trial_activation, self._clock, self._clock + dt)
+        count("bin_steps", self._trial.size)
         state, _ = self.model.advance(self._trial, r, self._trial_stretch, stretch, dt)
         law = self.model.active_law(state, self._activation_after(dt), stretch).scaled(self.scale)
         self.seconds += perf_counter() - started

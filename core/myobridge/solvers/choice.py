@@ -12,6 +12,7 @@ from myobridge.errors import PluginError
 from myobridge.interfaces import Array, Factorisation, LinearSolver, LinearSystem, MacroSolid, Matrix, SystemSize
 from myobridge.solvers.dense import DenseFactorisation
 from myobridge.solvers.inertia import Inertia
+from myobridge.work import count
 
 __all__ = ["Automatic", "Choice", "choice_for", "choice_of", "choose", "factorise", "installed", "size_of"]
 
@@ -144,6 +145,7 @@ def factorise(tangent: Matrix | LinearSystem, linear: LinearSolver | None = None
     """
     if linear is not None and (obstacle := linear.obstacle()):
         raise PluginError(f"linear solver {type(linear).__name__}: {obstacle}")
+    count("factorisations")
     system = tangent if isinstance(tangent, LinearSystem) else LinearSystem(tangent, symmetric=False)
     return (linear or Automatic()).factorise(system)
 

@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces import Array, Fluxes, Promises
+from myobridge.work import count
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.euler_kernels import react_fixed, transport
 
@@ -61,6 +62,7 @@ class Upwind(Discretisation):
 
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
         out = _copied(state, out)
+        count("bin_steps", state.shape[1] * np.ceil(np.abs(displacement) * self.bins).sum())
         transport(out, displacement, self.bins)
         return out
 

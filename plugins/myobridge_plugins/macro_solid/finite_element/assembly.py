@@ -11,6 +11,7 @@ import numpy as np
 
 from myobridge.compiled import LANES
 from myobridge.interfaces import Array, Material
+from myobridge.work import count
 from myobridge_plugins.macro_solid.finite_element.discretisation import Discretisation
 from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
 from myobridge_plugins.macro_solid.finite_element.threads import available, shared_out
@@ -143,6 +144,7 @@ class Assembly:
         from myobridge_plugins.macro_solid.finite_element.assembly_kernels import assemble
 
         grid, pattern = self.discretisation, self.pattern
+        count("assembled_elements", grid.n_cells)
         force = np.zeros(grid.dimension * grid.n_nodes)
         constraint = np.zeros(grid.n_multipliers)
         stiffness_data = np.zeros(pattern.stiffness.size) if tangent else _NONE
