@@ -32,7 +32,6 @@ from myobridge.parameters import integer, number, part
 from myobridge.solvers.choice import factorise
 from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_product, solve
 from myobridge.work import count
-from myobridge.work import count
 
 __all__ = ["ROUND_OFF", "Correction", "Ordinary", "is_round_off", "iterate", "log_step", "newton"]
 
@@ -105,8 +104,6 @@ def iterate(
             reason = "no admissible point along Newton's direction"
             return NewtonResult(unknowns, False, iteration + 1, reason, tuple(history))
         history.append(NewtonStep(before, fraction, inner, renewed))
-        count("newton_iterations")
-        count("inner_iterations", inner)
         count("newton_iterations")
         count("inner_iterations", inner)
         log_step(iteration + 1, history[-1], size)
