@@ -4,8 +4,8 @@ r"""Mass and constraint together: what accelerations, impulses and projections o
           = \begin{pmatrix} b \\ r \end{pmatrix}, \qquad
           S\,p = B_2 M^{-1} b - r, \quad S = B_2 M^{-1} B_1^T, \quad x = M^{-1} (b - B_1^T p)
 
-The mass is factored once for each solid. Small systems are solved whole. Of large ones `S` is only applied: conjugate
-gradients, preconditioned by a factor of :math:`B D^{-1} B^T` at the start of the motion, with `D` the diagonal of the
+The mass is factored once for each solid. Of few constraints `S` is formed and factored; of many it is only applied:
+conjugate gradients, preconditioned by a factor of :math:`B D^{-1} B^T` at the start of the motion, with `D` the diagonal of the
 mass. A rotation does not change it, and moderate deformations hardly, so that it serves a whole run; where it does not,
 it is made anew for the one system. What was solved before plays no part: an interrupted run gives the same digits.
 """
@@ -25,8 +25,8 @@ from myobridge.solvers.step import effective_mass
 
 __all__ = ["ConstrainedMass", "diagonal_of"]
 
-# Below this many unknowns and multipliers the whole matrix is factored by LAPACK.
-_SMALL = 120
+# Up to this many constraints S is formed, which takes a solve with the mass for each.
+_FEW = 150
 # Iterations after which the preconditioner of the start is given up, and those after which all is.
 _MANY, _TOO_MANY = 80, 2000
 # Relative residual of the multipliers unless another is asked for.
@@ -58,14 +58,10 @@ class ConstrainedMass:
         self._solid, self._inertance = solid, inertance
         self._gradient = gradient
         self._acting = gradient if acting is None else acting
-        self._whole: DenseFactorisation | None = None
-        self._unit = 1.0
-        if gradient is None:
-            return
-        n = solid.n_unknowns
-        if n + gradient.shape[0] <= _SMALL:
-            self._factor_whole(n)
-        elif isinstance(gradient, np.ndarray):
+        self._count = 0 if gradient is None else int(gradient.shape[0])
+        self._few = self._count <= _FEW
+        self._formed: tuple[Array, DenseFactorisation] | None = None
+        if isinstance(gradient, np.ndarray) and not self._few:
             import scipy.sparse as sparse
 
             self._gradient = sparse.csr_array(gradient)
@@ -96,28 +92,26 @@ class ConstrainedMass:
         gradient, acting = self._gradient, self._acting
         if gradient is None or acting is None:
             return self.inverse(force), np.empty(0)
-        if self._whole is not None:
-            n, m = force.size, gradient.shape[0]
-            right = np.concatenate([force, self._unit * np.broadcast_to(rate, (m,))])
-            found = self._whole.solve(right)
-            return found[:n], self._unit * found[n:]
         free = self.inverse(force)
-        multiplier = self._multiplier(gradient @ free - rate, tolerance)
+        right = gradient @ free - rate
+        if self._few:
+            way, schur = self._schur(gradient, acting)
+            multiplier = schur.solve(right)
+            return free - way @ multiplier, multiplier
+        multiplier = self._multiplier(right, tolerance)
         return free - self.inverse(acting.T @ multiplier), multiplier
 
     # ------------------------------------------------------------------ inside
 
-    def _factor_whole(self, n: int) -> None:
-        mass, gradient, acting = (
-            effective_mass(self._solid, self._inertance),
-            *map(_dense, (self._gradient, self._acting)),
-        )
-        whole = np.zeros((n + gradient.shape[0],) * 2)
-        whole[:n, :n] = np.diag(mass) if mass.ndim == 1 else _dense(mass)
-        # Both kinds of equations in units that LAPACK can compare.
-        self._unit = float(np.abs(whole).max()) / (float(np.abs(gradient).max()) or 1.0)
-        whole[:n, n:], whole[n:, :n] = self._unit * acting.T, self._unit * gradient
-        self._whole = DenseFactorisation(whole)
+    def _schur(self, gradient: Matrix, acting: Matrix) -> tuple[Array, DenseFactorisation]:
+        """M^-1 B_1^T and the factors of S."""
+        if self._formed is None:
+            columns = np.ascontiguousarray(_dense(acting).T)
+            mass = effective_mass(self._solid, self._inertance)
+            lumped = isinstance(mass, np.ndarray) and mass.ndim == 1
+            way = columns / mass[:, None] if lumped else self.inverse(columns)
+            self._formed = way, DenseFactorisation(np.asarray(gradient @ way))
+        return self._formed
 
     def _multiplier(self, right: Array, tolerance: float) -> Array:
         """Solution of S p = right."""
