@@ -138,7 +138,8 @@ class Step:
         tension = None if answer is None else at_points(body, answer.tension)
         slope = None if answer is None else at_points(body, answer.stiffness)
         pressure = body.pressure(self.acting)
-        return step_sums(body.assembly, self.first, self.change, pressure, tension, slope, self.drag, tangent=tangent)
+        given = (self.first, self.change, pressure, tension, slope, self.drag, body.modulus)
+        return step_sums(body.assembly, *given, tangent=tangent)
 
     def _volume_work(self) -> float:
         """Work [J] of the acting multiplier that no change of stored energy accounts for, with the opposite sign."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from myobridge.interfaces import Array
+from myobridge.work import count
 from myobridge_plugins.macro_solid.finite_element.assembly import Assembly
 
 __all__ = ["StepSums", "step_sums"]
@@ -46,6 +47,7 @@ def step_sums(
     tension: Array | None,
     slope: Array | None,
     drag: float,
+    modulus: float,
     *,
     tangent: bool,
 ) -> StepSums:
@@ -61,10 +63,13 @@ def step_sums(
         Tension of the step at every point [Pa], and its derivative by the stretch at the end.
     drag : float
         Viscosity over the length of the step [Pa].
+    modulus : float
+        Of the tissue [Pa], the measure of round-off.
     """
     from myobridge_plugins.macro_solid.finite_element.step_kernels import assemble_step
 
     grid, pattern = assembly.discretisation, assembly.pattern
+    count("assembled_elements", grid.n_cells)
     force, constraint = np.zeros(start.size), np.zeros(grid.n_multipliers)
     stiffness_data = np.zeros(pattern.stiffness.size) if tangent else _NONE
     gradient_data, acting_data = (np.zeros(pattern.gradient.size) if tangent else _NONE for _ in range(2))
@@ -89,6 +94,7 @@ def step_sums(
             assembly.zeros if tension is None else tension,
             assembly.zeros if slope is None else slope,
             drag,
+            modulus,
             pattern.lengths,
             pattern.stiffness.rows,
             pattern.stiffness.places,

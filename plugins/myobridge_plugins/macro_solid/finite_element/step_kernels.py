@@ -1,7 +1,8 @@
 """Loop over batches of elements for a whole step: residual of its discrete gradient, and its tangent, into sparse rows.
 
 Arguments are those of `assembly_kernels`, with the displacement at the start and its change, `slope` = dT / d lambda at
-the end, and `drag` = viscosity / dt. Nothing here is symmetric: all pairs of nodes are summed up and scattered.
+the end, `drag` = viscosity / dt, and a `modulus` [Pa] of the tissue, the measure of round-off. Nothing here is
+symmetric: all pairs of nodes are summed up and scattered.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ def _fill(n, point, fibre, tension, slope, shapes, numbers, pressure, start, end
         *(types.intp, types.intp, types.intp, types.boolean, types.boolean),
         *CELLS,
         *(TOUCHED, MATRIX, TABLE, LAW, LAW, VECTOR),
-        *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, types.float64),
+        *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, types.float64, types.float64),
         *(INDEX, INDEX, PLACES, INDEX, PLACES),
         *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
     ),
@@ -113,6 +114,7 @@ def assemble_step(
     tension: Any,
     slope: Any,
     drag: Any,
+    modulus: Any,
     lengths: Any,
     rows: Any,
     places: Any,
@@ -178,7 +180,7 @@ def assemble_step(
                 if large:
                     energy(n, start, before, constants)
                     energy(n, end, after, constants)
-                    correct(n, before, after, kept)
+                    correct(n, modulus, before, after, kept)
                 step_stress(n, drag, start, kept, out)
                 for lane in range(n):
                     at[lane] = weights[q] * volume[lane]

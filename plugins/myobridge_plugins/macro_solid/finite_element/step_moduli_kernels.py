@@ -21,7 +21,6 @@ from numba import njit
 
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
-from myobridge_plugins.macro_solid.finite_element.step_point_kernels import SMALL
 from myobridge_plugins.macro_solid.finite_element.symmetric_lanes import (
     cofactor_symmetric,
     combination,
@@ -114,7 +113,7 @@ def add_correction_moduli(n, end, out, half, kept, moduli):
             row[lane] -= 2.0 * (
                 d[3] * column[18 * _L + lane] + d[4] * column[24 * _L + lane] + d[5] * column[30 * _L + lane]
             )
-            row[lane] = row[lane] / kept[27 * _L + lane] if kept[27 * _L + lane] > SMALL else 0.0
+            row[lane] = row[lane] / kept[27 * _L + lane] if kept[28 * _L + lane] != 0.0 else 0.0
     for a in range(6):
         change, row = changes[a * _L :], moduli[6 * a * _L :]
         for lane in range(n):

@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from myobridge.compiled import LANES
@@ -54,14 +55,16 @@ from myobridge_plugins.material.lane_tensors import (
     times,
 )
 
-__all__ = ["KEPT", "SMALL", "correct", "mean_stress", "step_states", "step_stress"]
+__all__ = ["KEPT", "correct", "mean_stress", "step_states", "step_stress"]
 
 _L = LANES
 _CHANGE, _VOLUME, _PASSIVE, _STRESS = 9 * _L, 15 * _L, 21 * _L, 33 * _L
 # Rows of `kept`.
 KEPT = 39
-# D : D below which the rule is exact: its error is |D|^5 / 4320 of the modulus.
-SMALL = 1e-6
+# D : D below which only that is corrected which is above the round-off of W: a smooth law leaves |D|^5 / 4320 of its
+# modulus, which is less, but one whose tangent jumps leaves |D|^2. And D : D below which nothing is corrected.
+_SMALL, _TINY = 1e-6, 1e-10
+_ROUND_OFF = 64.0 * float(np.finfo(float).eps)
 _GAUSS = 1.0 / math.sqrt(3.0)
 
 
@@ -97,7 +100,7 @@ def step_states(n, start, end, first, second, kept):
 
 @njit(**OPTIONS)
 def mean_stress(n, first, second, first_stress, last_stress, kept):
-    """The material's S, mean of both Gauss points; returns whether a change is large enough to be corrected."""
+    """The material's S, mean of both Gauss points; returns whether a change is large enough to ask for energies."""
     passive = kept[_PASSIVE:]
     largest = 0.0
     for lane in range(n):
@@ -107,17 +110,19 @@ def mean_stress(n, first, second, first_stress, last_stress, kept):
         kept[28 * _L + lane] = 0.0
     for lane in range(n):
         largest = max(largest, kept[27 * _L + lane])
-    return largest > SMALL
+    return largest > _TINY
 
 
 @njit(**OPTIONS)
-def correct(n, before, after, kept):
-    """alpha, from the energies at both ends; 0 for a small change."""
+def correct(n, modulus, before, after, kept):
+    """alpha, from the energies at both ends."""
     changes, passive = kept[_CHANGE:], kept[_PASSIVE:]
     for lane in range(n):
         size = kept[27 * _L + lane]
         gap = after[lane] - before[lane] - scalar_product(load_symmetric(passive, lane), load_symmetric(changes, lane))
-        kept[28 * _L + lane] = gap / size if size > SMALL else 0.0
+        slack = _ROUND_OFF * (modulus + abs(before[lane])) if size < _SMALL else 0.0
+        gap = max(gap - slack, 0.0) + min(gap + slack, 0.0)
+        kept[28 * _L + lane] = gap / size if size > _TINY else 0.0
 
 
 @njit(**OPTIONS)
