@@ -92,7 +92,7 @@ class LedgerDrift(RunGauge):
 
 @final
 class GrowthRate(RunGauge):
-    """Rate of an amplitude that grows exponentially: half the slope of the logarithm of the kinetic energy.
+    """Rate of an amplitude that grows exponentially: half the slope of the logarithm of the energy.
 
     Fitted over the last third of the steps, in which the fastest mode has outgrown the others.
     """
@@ -105,7 +105,7 @@ class GrowthRate(RunGauge):
         self.rows: list[tuple[float, float]] = []
 
     def observe(self, simulation: Simulation, report: StepReport) -> None:
-        self.rows.append((simulation.time, simulation.ledger.kinetic))
+        self.rows.append((simulation.time, simulation.ledger.total))
 
     def value(self, fine: Any = None) -> float:
         rows = np.array(self.rows)

@@ -38,7 +38,7 @@ def found(cell: Cell) -> Finding:
     measured = dict(trial.measured)
     why = violations(trial, case.limits)
     step, beyond = None, False
-    if cell.full and case.bisect and not scene.static:
+    if ((cell.full and case.bisect) or "largest_step" in expectation.agrees) and not scene.static:
         step, beyond = largest_step(scene, lambda other: not violations(_tried(cell, other), case.limits), not why)
         if step is not None:
             measured["largest_step"] = step
@@ -70,7 +70,10 @@ def _refused(cell: Cell, message: str, seconds: float) -> Finding:
 
 def _tried(cell: Cell, scene: Scene, predicted: dict[str, float] | None = None) -> Trial:
     case = cell.case
-    measured = case.measured(scene)
+    try:
+        measured = case.measured(scene)
+    except MyobridgeError as error:
+        return Trial(refused=str(error))
     if measured is not None:
         return Trial(measured=measured)
     wanted = {limit.quantity for limit in case.limits} | set(cell.expectation.agrees)
@@ -119,8 +122,7 @@ def _disagreements(
     said: list[str] = []
     for name, tolerance in agrees.items():
         if name not in measured or name not in predicted:
-            if name != "largest_step":  # looked for in the full atlas only
-                said.append(f"{name} was {'not measured' if name not in measured else 'not predicted'}")
+            said.append(f"{name} was {'not measured' if name not in measured else 'not predicted'}")
             continue
         value, theory = measured[name], predicted[name]
         if not abs(value - theory) <= tolerance * abs(theory):

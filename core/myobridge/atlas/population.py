@@ -15,14 +15,16 @@ __all__ = ["OutOfBounds", "Unrealizable"]
 
 @final
 class OutOfBounds(RunGauge):
-    """How far the attached fraction leaves [0, 1]."""
+    """How far the attached fraction leaves [0, 1], of a model that promises that it does not at small steps."""
 
     words: ClassVar[str] = "attached fraction out of [0, 1] by"
 
     @classmethod
     def applies(cls, simulation: Simulation) -> bool:
         bus = simulation.bus
-        return bus is not None and bus.model.density(np.array(bus.population)) is not None
+        if bus is None or not bus.model.promises.bounds:  # the density of moments alone is drawn, not computed
+            return False
+        return bus.model.density(np.array(bus.population)) is not None
 
     def __init__(self, simulation: Simulation) -> None:
         super().__init__(simulation)

@@ -59,12 +59,12 @@ def chosen(
     Raises
     ------
     MyobridgeError
-        If a pattern matches nothing; the message suggests the nearest name.
+        If a pattern matches nothing, and then the message suggests the nearest name; if a chosen case has wrong data.
 
     Warns
     -----
     PluginWarning
-        Once for each case whose data are wrong; it is left out.
+        Once for each case whose data are wrong, where all are tried; it is left out.
     """
     cells: list[Cell] = []
     for name, case in cases.items():
@@ -73,6 +73,8 @@ def chosen(
         try:
             cells += cells_of(name, case, full=full)
         except PluginError as error:
+            if case_patterns:
+                raise
             warnings.warn(f"{error}. It is left out", PluginWarning, stacklevel=3)
     rows = sorted({row for name, case in cases.items() for row in _rows(name, case)})
     for pattern in case_patterns:

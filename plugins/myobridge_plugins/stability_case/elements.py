@@ -47,7 +47,6 @@ traction = [1.0, 0.0]
     }
     limits = (Limit("ratio", at_least=0.7), Limit("spurious", 0))
     vary = ("solid.elements",)
-    methods: ClassVar = {"P1-P0": {"solid.elements": "P1-P0"}}
     expected: ClassVar = {
         "triangle:P1-P0": Expectation("fails", "the pair has no inf-sup constant: it halves with the cells"),
     }
