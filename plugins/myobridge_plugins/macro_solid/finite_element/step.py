@@ -75,7 +75,7 @@ class Step:
         answer, _ = self._answer()
         sums = self._sums(answer, tangent=tangent)
         external = body.loading.external(self.middle, self.half_time)
-        largest = body.modulus + sums.largest + float(np.abs(self.acting).max(initial=0.0))
+        largest = body.modulus + sums.magnitude + float(np.abs(self.acting).max(initial=0.0))
         found = Balance(
             (sums.force + body.loading.bedding(self.middle, self.half_time) - external)[free],
             magnitude=largest * body.section + float(np.linalg.norm(external)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +25,8 @@ class StepSums(NamedTuple):
         Over all numbers [N], and at the end [m^3].
     stiffness, constraint_gradient, acting_gradient : ndarray
         Data of the derivatives of force and constraint by the end, and of the gradient in the force; the caller's.
-    largest : float
-        Largest stress [Pa].
+    magnitude : float
+        Largest stress, and the root mean square of what cancels in the corrections of the material's [Pa].
     taken : float
         Energy that viscosity takes [J].
     """
@@ -35,7 +36,7 @@ class StepSums(NamedTuple):
     stiffness: Array
     constraint_gradient: Array
     acting_gradient: Array
-    largest: float
+    magnitude: float
     taken: float
 
 
@@ -73,11 +74,10 @@ def step_sums(
     force, constraint = np.zeros(start.size), np.zeros(grid.n_multipliers)
     stiffness_data = np.zeros(pattern.stiffness.size) if tangent else _NONE
     gradient_data, acting_data = (np.zeros(pattern.gradient.size) if tangent else _NONE for _ in range(2))
-    top, lost = 0.0, 0.0
-    for region in assembly.regions:
+    measures = [np.zeros((len(region.blocks), 4)) for region in assembly.regions]
+    for region, measured in zip(assembly.regions, measures, strict=True):
         functions = region.material.functions()
         law = functions.tangent if tangent else functions.stress
-        largest, taken = np.zeros((2, len(region.blocks)))
         given = (
             *assembly.shape,
             tangent,
@@ -105,10 +105,9 @@ def step_sums(
             stiffness_data,
             gradient_data,
             acting_data,
-            largest,
-            taken,
+            measured,
         )
         assembly.run(lambda first, last, given=given: assemble_step(first, last, *given), region.colours)
-        top = max(top, float(largest.max(initial=0.0)))
-        lost += float(taken.sum())
-    return StepSums(force, constraint, stiffness_data, gradient_data, acting_data, top, lost)
+    largest, lost, rough, volume = np.concatenate(measures).T
+    magnitude = float(largest.max() + math.sqrt(rough.sum() / volume.sum()))
+    return StepSums(force, constraint, stiffness_data, gradient_data, acting_data, magnitude, float(lost.sum()))

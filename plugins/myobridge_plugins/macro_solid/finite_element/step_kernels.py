@@ -84,7 +84,7 @@ def _fill(n, point, fibre, tension, slope, shapes, numbers, pressure, start, end
         *(TOUCHED, MATRIX, TABLE, LAW, LAW, VECTOR),
         *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, types.float64, types.float64),
         *(INDEX, INDEX, PLACES, INDEX, PLACES),
-        *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, VECTOR),
+        *(VECTOR, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX),
     ),
     **OPTIONS,
 )
@@ -125,13 +125,13 @@ def assemble_step(
     stiffness_data: Any,
     gradient_data: Any,
     acting_data: Any,
-    largest: Any,
-    taken: Any,
+    measures: Any,
 ):
     """Add force, constraint at the end and their derivatives of the blocks from `first_block` to before `last_block`.
 
-    `law` is the material's tangent, or its stress where no tangent is wanted. `largest` (n_blocks,) gets the largest
-    stress [Pa] of each block, `taken` (n_blocks,) the energy that viscosity takes there [J].
+    `law` is the material's tangent, or its stress where no tangent is wanted. `measures` (n_blocks, 4) gets of each
+    block the largest stress [Pa], the energy that viscosity takes [J], the integral of the square of what cancels in
+    the corrections [Pa^2 m^3], and the volume [m^3].
     """
     n_nodes, n_multipliers, n_q = nodes.shape[1], multipliers.shape[1], weights.shape[0]
     local, change = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
@@ -149,7 +149,7 @@ def assemble_step(
     local_gradient = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
     local_acting = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
     for block in range(first_block, last_block):
-        top, lost = 0.0, 0.0
+        top, lost, rough, whole_volume = 0.0, 0.0, 0.0, 0.0
         for batch in range(blocks[block, 0], blocks[block, 1]):
             n = sizes[batch]
             touched = nodes[batch]
@@ -185,6 +185,8 @@ def assemble_step(
                 for lane in range(n):
                     at[lane] = weights[q] * volume[lane]
                     lost += at[lane] * drag * kept[27 * _L + lane]
+                    rough += at[lane] * kept[39 * _L + lane] * kept[39 * _L + lane]
+                    whole_volume += at[lane]
                 for row in range(9):
                     for lane in range(n):
                         top = max(top, abs(out[row * _L + lane]))
@@ -229,5 +231,7 @@ def assemble_step(
                     *(n, dimension, n_nodes, n_multipliers, touched, multipliers[batch], lengths, rows),
                     *(gradient_rows, gradient_places[batch], local_acting, acting_data),
                 )
-        largest[block] = top
-        taken[block] = lost
+        measures[block, 0] = top
+        measures[block, 1] = lost
+        measures[block, 2] = rough
+        measures[block, 3] = whole_volume

@@ -8,15 +8,16 @@ r"""Stress of a whole step at a point, the discrete gradient of everything that 
 
 * Material: two Gauss points on the straight way from C_0 to C_1, :math:`C_\pm = \tfrac12(C_0 + C_1) \pm D / \sqrt 3`.
   An objective law depends on `C` alone, so it is asked at the upper triangular `U` with :math:`U^T U = C`. What the
-  rule leaves is put right along D [1]_: :math:`\alpha\,D : D = W(F_1) - W(F_0) - S : D`. A small D leaves less than
-  round-off where the law is smooth, and dividing would only amplify that: then alpha is 0.
+  rule leaves is put right along D [1]_: :math:`\alpha\,D : D = W(F_1) - W(F_0) - S : D`. What is below the round-off of
+  W is left alone (so are all small D where the law is smooth: it leaves :math:`|D|^5 / 4320` of its modulus; one whose
+  tangent jumps leaves :math:`|D|^2`), and beyond it alpha is only as sure as that round-off over :math:`|D|` is small.
 * Pressure: :math:`G = 2\,(\mathrm{cof}\,C_m + \tfrac13 \mathrm{cof}\,D) / (J_0 + J_1)`, and :math:`G : D = J_1 - J_0`.
 * Fibre: T at the mean stretch, and :math:`S : D = T (\lambda_1 - \lambda_0)`.
 
 `S` is symmetric, which keeps the angular momentum.
 
 Rows of `kept`, what a point keeps for its tangent: 0-8 F_m, 9-14 D, 15-20 G, 21-26 the material's S without alpha,
-27 D : D, 28 alpha, 29 J_0, 30 J_1, 31 lambda_0, 32 lambda_1, 33-38 S.
+27 D : D, 28 alpha, 29 J_0, 30 J_1, 31 lambda_0, 32 lambda_1, 33-38 S, 39 the size of what cancels in alpha D.
 
 References
 ----------
@@ -60,11 +61,10 @@ __all__ = ["KEPT", "correct", "mean_stress", "step_states", "step_stress"]
 _L = LANES
 _CHANGE, _VOLUME, _PASSIVE, _STRESS = 9 * _L, 15 * _L, 21 * _L, 33 * _L
 # Rows of `kept`.
-KEPT = 39
-# D : D below which only that is corrected which is above the round-off of W: a smooth law leaves |D|^5 / 4320 of its
-# modulus, which is less, but one whose tangent jumps leaves |D|^2. And D : D below which nothing is corrected.
-_SMALL, _TINY = 1e-6, 1e-10
-_ROUND_OFF = 64.0 * float(np.finfo(float).eps)
+KEPT = 40
+# D : D below which nothing is corrected, and what counts as round-off of W.
+_TINY = 1e-10
+_ROUND_OFF = 32.0 * float(np.finfo(float).eps)
 _GAUSS = 1.0 / math.sqrt(3.0)
 
 
@@ -108,6 +108,7 @@ def mean_stress(n, first, second, first_stress, last_stress, kept):
         other = second_stress(gradient(second, lane), gradient(last_stress, lane))
         store_symmetric(passive, lane, combination(0.5, one, 0.5, other))
         kept[28 * _L + lane] = 0.0
+        kept[39 * _L + lane] = 0.0
     for lane in range(n):
         largest = max(largest, kept[27 * _L + lane])
     return largest > _TINY
@@ -118,11 +119,13 @@ def correct(n, modulus, before, after, kept):
     """alpha, from the energies at both ends."""
     changes, passive = kept[_CHANGE:], kept[_PASSIVE:]
     for lane in range(n):
-        size = kept[27 * _L + lane]
+        size, scale = kept[27 * _L + lane], modulus + abs(before[lane])
         gap = after[lane] - before[lane] - scalar_product(load_symmetric(passive, lane), load_symmetric(changes, lane))
-        slack = _ROUND_OFF * (modulus + abs(before[lane])) if size < _SMALL else 0.0
-        gap = max(gap - slack, 0.0) + min(gap + slack, 0.0)
-        kept[28 * _L + lane] = gap / size if size > _TINY else 0.0
+        sure = min(2.0 * max(abs(gap) - _ROUND_OFF * scale, 0.0), abs(gap))
+        if size < _TINY:
+            sure = 0.0
+        kept[28 * _L + lane] = math.copysign(sure, gap) / size if sure > 0.0 else 0.0
+        kept[39 * _L + lane] = scale / math.sqrt(size) if sure > 0.0 else 0.0
 
 
 @njit(**OPTIONS)
