@@ -5,9 +5,9 @@ r"""Mass and constraint together: what accelerations, impulses and projections o
           S\,p = B_2 M^{-1} b - r, \quad S = B_2 M^{-1} B_1^T, \quad x = M^{-1} (b - B_1^T p)
 
 The mass is factored once for each solid. Of few constraints `S` is formed and factored; of many it is only applied:
-conjugate gradients, preconditioned by a factor of :math:`B D^{-1} B^T` at the start of the motion, with `D` the diagonal of the
-mass. A rotation does not change it, and moderate deformations hardly, so that it serves a whole run; where it does not,
-it is made anew for the one system. What was solved before plays no part: an interrupted run gives the same digits.
+conjugate gradients, preconditioned by a factor of :math:`B D^{-1} B^T` at the start of the motion, `D` the diagonal of
+the mass. A rotation does not change it, and moderate deformations hardly, so that it serves a whole run; where it does
+not, it is made anew for the one system. What was solved before plays no part: an interrupted run gives the same digits.
 """
 
 from __future__ import annotations

@@ -26,11 +26,12 @@ from myobridge.interfaces import (
     Works,
 )
 from myobridge.parameters import choice, integer, number, numbers, part, parts, records
-from myobridge_plugins.macro_solid.finite_element import forces, momenta
+from myobridge_plugins.macro_solid.finite_element import forces, masses, momenta
 from myobridge_plugins.macro_solid.finite_element.body import Body
 from myobridge_plugins.macro_solid.finite_element.building import build
 from myobridge_plugins.macro_solid.finite_element.element_pairs import PAIRS
 from myobridge_plugins.macro_solid.finite_element.regions import Region
+from myobridge_plugins.macro_solid.finite_element.start import start_motion
 from myobridge_plugins.macro_solid.finite_element.step import Step
 from myobridge_plugins.macro_solid.finite_element.supports import Support
 
@@ -79,6 +80,10 @@ class FiniteElement(MacroSolid):
         Acceleration [m/s^2], downwards along the last axis where it is one number (effect `gravity`).
     density : float
         Mass per reference volume [kg/m^3].
+    mass : "consistent" or "lumped", which is diagonal
+    stretch_at_start, velocity_at_start, spin_at_start : sequences of float, optional
+        Of the whole body at t = 0: stretch along each axis, translation [m/s], rotation about the centre of mass
+        [rad/s], one number in the plane. What is held stays where it is.
     thickness : float
         Depth of a plane body [m].
     quadrature : int
@@ -112,6 +117,10 @@ class FiniteElement(MacroSolid):
         None, unit="m/s^2", effect="gravity", on=9.81, doc="acceleration; one number: downwards along the last axis"
     )
     density: float = number(1.1e3, unit="kg/m^3", within="(0, inf)", doc="mass per reference volume")
+    mass: str = choice("consistent", masses.CHOICES, doc="mass matrix; lumped: diagonal, for explicit methods")
+    stretch_at_start: tuple[float, ...] | None = numbers(None, within="(0, inf)", doc="stretch at the start, by axis")
+    velocity_at_start: tuple[float, ...] | float | None = numbers(None, unit="m/s", doc="velocity at the start")
+    spin_at_start: tuple[float, ...] | float | None = numbers(None, unit="rad/s", doc="rotation at the start")
     thickness: float = number(1.0, unit="m", within="(0, inf)", doc="depth of a plane body")
     quadrature: int = integer(5, within="[1, 12]", doc="degree of polynomials integrated exactly")
     threads: int = integer(0, doc="threads of an assembly; 0: all")
@@ -142,9 +151,13 @@ class FiniteElement(MacroSolid):
     def multiplier_scale(self) -> float:
         return self._body.modulus / self._body.cell_size
 
+    @property
+    def displacement_scale(self) -> float:
+        return self._body.cell_size
+
     def rest_motion(self) -> Motion:
-        zero = np.zeros(self.n_unknowns)
-        return Motion(zero, zero.copy(), np.zeros(self._body.free_multipliers.size))
+        at_start = (self.stretch_at_start, self.velocity_at_start, self.spin_at_start)
+        return start_motion(self._body, lambda: self._node_mass, *at_start)
 
     def memory(self) -> int:
         """Bytes that the body's tables and the data of its tangent take."""
@@ -240,26 +253,19 @@ class FiniteElement(MacroSolid):
 
     @cached_property
     def _node_mass(self) -> Any:
-        return self._body.node_mass(self.density)
+        return masses.node_mass(self._body, self.density, self.mass)
 
     @cached_property
     def mass_matrix(self) -> Matrix:
-        import scipy.sparse as sparse
-
-        whole = sparse.kron(self._node_mass, sparse.eye_array(self._body.grid.dimension), format="csr")
-        return sparse.csr_array(whole[self._body.free][:, self._body.free])
+        return masses.mass_matrix(self._body, self._node_mass)
 
     def momentum(self, motion: Motion) -> Array:
-        return momenta.node_momentum(self._body, self._node_mass, motion).sum(axis=0)
+        return masses.node_momentum(self._body, self._node_mass, motion.velocity).sum(axis=0)
 
     def angular_momentum(self, motion: Motion) -> Array:
         return momenta.angular_momentum(self._body, self._node_mass, motion)
 
     def rigid_motions(self) -> Array:
-        return self._rigid_motions
-
-    @cached_property
-    def _rigid_motions(self) -> Array:
         return momenta.rigid_motions(self._body)
 
     def statics_obstacle(self, motion: Motion, law: ActiveLaw | None) -> str:

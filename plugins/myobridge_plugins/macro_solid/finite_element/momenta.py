@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -9,15 +10,9 @@ import numpy as np
 from myobridge.interfaces import Array, Motion
 from myobridge_plugins.macro_solid.finite_element.body import Body
 from myobridge_plugins.macro_solid.finite_element.loading import stores
+from myobridge_plugins.macro_solid.finite_element.masses import node_momentum
 
-__all__ = ["angular_momentum", "node_momentum", "rigid_freedom", "rigid_motions"]
-
-
-def node_momentum(body: Body, mass: Any, motion: Motion) -> Array:
-    """Momentum of each node [kg m/s], (n_nodes, dim); what is held counts as at rest."""
-    full = np.zeros(body.n_full)
-    full[body.free] = motion.velocity
-    return mass @ full.reshape(-1, body.grid.dimension)
+__all__ = ["angular_momentum", "rigid_freedom", "rigid_motions"]
 
 
 def angular_momentum(body: Body, mass: Any, motion: Motion) -> Array:
@@ -26,7 +21,7 @@ def angular_momentum(body: Body, mass: Any, motion: Motion) -> Array:
     place, momentum = np.zeros((2, grid.n_nodes, 3))
     moved = body.displacement(motion.displacement, 0.0).reshape(-1, grid.dimension)
     place[:, : grid.dimension] = grid.positions + moved
-    momentum[:, : grid.dimension] = node_momentum(body, mass, motion)
+    momentum[:, : grid.dimension] = node_momentum(body, mass, motion.velocity)
     return np.cross(place, momentum).sum(axis=0)
 
 
@@ -50,6 +45,7 @@ def rigid_freedom(body: Body) -> str:
     )
 
 
+@functools.lru_cache(maxsize=8)
 def rigid_motions(body: Body) -> Array:
     """Translations and infinitesimal rotations of the free numbers, (n_unknowns, 3 or 6)."""
     return np.ascontiguousarray(_rigid(body)[body.free])
