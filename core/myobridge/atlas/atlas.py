@@ -79,6 +79,7 @@ class Atlas:
         *,
         resume: bool = False,
         workers: int | None = None,
+        patience: float = 180.0,
         watch: Callable[[Finding, int], object] | None = None,
     ) -> Chart:
         """Try all cells.
@@ -91,6 +92,9 @@ class Atlas:
             Take over the cells that are kept there and depend on nothing that has changed.
         workers : int, optional
             Processes; as many as there are cores without. 0: in this process, unguarded.
+        patience : float
+            How much longer than the computing time that a case allows a cell may take in a worker [s], for compilation
+            and the reference run.
         watch : callable, optional
             Told every new finding and how many cells are left.
 
@@ -109,7 +113,7 @@ class Atlas:
         keys = {cell.address: cell.key for cell in self.cells}
         left = [cell for cell in self.cells if keys[cell.address] not in store.known]
         with postponed() as interrupts:
-            trying = in_workers(left, count, interrupts) if count else in_this_process(left, interrupts)
+            trying = in_workers(left, count, interrupts, patience) if count else in_this_process(left, interrupts)
             for number, finding in enumerate(trying, start=1):
                 # Sources may have changed meanwhile: it stands for those with which the atlas began.
                 finding = attrs.evolve(finding, key=keys[finding.address])

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from time import perf_counter
 from typing import IO, Any, final
 
@@ -20,8 +20,8 @@ from myobridge.interrupts import Interrupts
 
 __all__ = ["in_this_process", "in_workers"]
 
-# Beyond the computing time that a cell may take: import, compilation, the reference run.
-_GRACE = 180.0
+# Until a worker has imported what it needs [s].
+_STARTS = 300.0
 # In the full atlas a cell is tried at about this many steps.
 _TRIALS = 16
 
@@ -38,8 +38,10 @@ def in_this_process(cells: Sequence[Cell], interrupts: Interrupts) -> Iterator[F
             yield Finding.of(cell, "fails", why=f"{type(error).__name__}: {error}")
 
 
-def in_workers(cells: Sequence[Cell], count: int, interrupts: Interrupts) -> Iterator[Finding]:
+def in_workers(cells: Sequence[Cell], count: int, interrupts: Interrupts, patience: float) -> Iterator[Finding]:
     """Try cells in `count` processes; findings come as they are finished.
+
+    A worker whose cell takes `patience` seconds longer than the cell may compute is ended.
 
     Raises
     ------
@@ -50,7 +52,7 @@ def in_workers(cells: Sequence[Cell], count: int, interrupts: Interrupts) -> Ite
     for cell in cells:
         waiting.put(cell)
     done: queue.SimpleQueue[Finding] = queue.SimpleQueue()
-    slots = [_Slot(waiting, done) for _ in range(min(count, len(cells)))]
+    slots = [_Slot(waiting, done, patience) for _ in range(min(count, len(cells)))]
     try:
         for slot in slots:
             slot.thread.start()
@@ -73,12 +75,13 @@ def in_workers(cells: Sequence[Cell], count: int, interrupts: Interrupts) -> Ite
 class _Slot:
     """A thread with a worker of its own."""
 
-    def __init__(self, waiting: queue.SimpleQueue[Cell], done: queue.SimpleQueue[Finding]) -> None:
-        self.waiting, self.done = waiting, done
+    def __init__(self, waiting: queue.SimpleQueue[Cell], done: queue.SimpleQueue[Finding], patience: float) -> None:
+        self.waiting, self.done, self.patience = waiting, done, patience
         self.thread = threading.Thread(target=self._loop, daemon=True)
         self.process: subprocess.Popen[str] | None = None
         self.stopped = False
-        self.complaints: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, as long as the slot
+        self.said = 0  # bytes of the complaints about earlier cells
+        self.complaints: IO[bytes] = tempfile.TemporaryFile("a+b")  # noqa: SIM115, as long as the slot
 
     def stop(self) -> None:
         """End the worker, whatever it is at."""
@@ -104,31 +107,30 @@ class _Slot:
 
     def _tried(self, cell: Cell) -> Finding:
         started = perf_counter()
-        allowed = cell.case.seconds * (_TRIALS if cell.full and cell.case.bisect else 1) + _GRACE
+        allowed = cell.case.seconds * (_TRIALS if cell.full and cell.case.bisect else 1) + self.patience
         if self.process is None or self.process.poll() is not None:
             self.process = self._started()
         process = self.process
-        late = threading.Event()
-
-        def end() -> None:
-            late.set()
-            self._kill()
-
-        timer = threading.Timer(allowed, end)
-        timer.start()
-        try:
-            line = _asked(process, cell)
-        finally:
-            timer.cancel()
+        self.said = os.fstat(self.complaints.fileno()).st_size
+        # The first line says that the cell has begun, the second what was found.
+        line = self._within(_STARTS, lambda: _asked(process, cell)) and self._within(allowed, lambda: _read(process))
         if line:
             return Finding(**json.loads(line))
         code, self.process = process.wait(), None
-        why = f"did not end within {allowed:g} s" if late.is_set() else f"the process died: {self._last_words(code)}"
+        late = perf_counter() - started >= allowed and code == -signal.SIGKILL
+        why = f"did not end within {allowed:g} s" if late else f"the process died: {self._last_words(code)}"
         return Finding.of(cell, "fails", why=why, seconds=perf_counter() - started)
 
+    def _within(self, seconds: float, read: Callable[[], str]) -> str:
+        """What is read, or nothing where the worker had to be ended because it took too long."""
+        timer = threading.Timer(seconds, self._kill)
+        timer.start()
+        try:
+            return read()
+        finally:
+            timer.cancel()
+
     def _started(self) -> subprocess.Popen[str]:
-        self.complaints.seek(0)
-        self.complaints.truncate()
         # One thread each: cells side by side make the better use of the machine. A group of its own, because Ctrl-C
         # in a terminal goes to every process there.
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -144,7 +146,7 @@ class _Slot:
         )
 
     def _last_words(self, code: int) -> str:
-        self.complaints.seek(0)
+        self.complaints.seek(self.said)
         lines = self.complaints.read().decode(errors="replace").strip().splitlines()
         how = f"exit code {code}"
         if code < 0:
@@ -154,7 +156,7 @@ class _Slot:
 
 
 def _asked(process: subprocess.Popen[str], cell: Cell) -> str:
-    """Answer of a worker; empty where it died."""
+    """First line of the answer of a worker; empty where it died."""
     request: dict[str, Any] = {
         "case": cell.name,
         "variant": cell.variant,
@@ -162,10 +164,17 @@ def _asked(process: subprocess.Popen[str], cell: Cell) -> str:
         "full": cell.full,
     }
     assert process.stdin is not None
-    assert process.stdout is not None
     try:
         process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
-        return process.stdout.readline()
     except (OSError, ValueError):  # a pipe that is closed
+        return ""
+    return _read(process)
+
+
+def _read(process: subprocess.Popen[str]) -> str:
+    assert process.stdout is not None
+    try:
+        return process.stdout.readline()
+    except (OSError, ValueError):
         return ""

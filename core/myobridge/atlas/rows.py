@@ -43,6 +43,9 @@ def cells_of(
 
 
 def _check(name: str, case: StabilityCase) -> None:
+    for key in ("scene", "limits"):
+        if not hasattr(case, key):
+            raise PluginError(f"stability case '{name}': {type(case).__name__} has no '{key}'; every case needs one")
     known = set(QUANTITIES) if type(case).measured is StabilityCase.measured else None
     for limit in case.limits:
         if known is not None and limit.quantity not in known:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -77,6 +77,10 @@ class StabilityCase(ABC):
     ----------------
     summary : str
         One line for ``myobridge plugins``.
+    scene : str
+        The scene, as TOML; every case has one.
+    limits : sequence of Limit
+        What must hold; every case says it.
     variants : mapping
         Settings of the scene by name; without, the scene alone, with the name "".
     vary : sequence of str
@@ -100,6 +104,8 @@ class StabilityCase(ABC):
     """
 
     summary: ClassVar[str] = ""
+    scene: ClassVar[str]
+    limits: ClassVar[tuple[Limit, ...]]
     variants: ClassVar[Mapping[str, Settings]] = {"": {}}
     vary: ClassVar[tuple[str, ...]] = ()
     methods: ClassVar[Mapping[str, Settings]] = {}
@@ -110,16 +116,6 @@ class StabilityCase(ABC):
     refused_with: ClassVar[str] = ""
     bisect: ClassVar[bool] = True
     seconds: ClassVar[float] = 120.0
-
-    @property
-    @abstractmethod
-    def scene(self) -> str:
-        """The scene, as TOML."""
-
-    @property
-    @abstractmethod
-    def limits(self) -> tuple[Limit, ...]:
-        """What must hold."""
 
     def measured(self, scene: Scene) -> Mapping[str, float] | None:
         """Quantities of a case that is no run: worked out here. None where the scene is to be run."""
