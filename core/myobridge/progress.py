@@ -12,7 +12,15 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.simulation import Simulation
-from myobridge.tables import effects_table, ledger_table, settings_table, shares_table, solver_choice, written
+from myobridge.tables import (
+    effects_table,
+    ledger_table,
+    newton_choice,
+    settings_table,
+    shares_table,
+    solver_choice,
+    written,
+)
 
 __all__ = ["follow"]
 
@@ -30,6 +38,8 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
     console.print(effects_table(plan))
     if chosen := solver_choice(plan):
         console.print(f"linear solver: {chosen}", markup=False, highlight=False)
+    if chosen := newton_choice(plan):
+        console.print(f"Newton's method: {chosen}", markup=False, highlight=False)
     if run.simulation.finished(end):
         console.print(f"t = {run.simulation.time:.6g} s is the end already; --set scene.duration=... goes on")
     first, started = run.simulation.steps, perf_counter()

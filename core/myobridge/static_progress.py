@@ -15,7 +15,7 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.static_run import StaticRun, UnstableEquilibrium
 from myobridge.statics import Statics
-from myobridge.tables import effects_table, settings_table, solver_choice, written
+from myobridge.tables import effects_table, newton_choice, settings_table, solver_choice, written
 
 __all__ = ["follow_path", "path_table"]
 
@@ -27,6 +27,8 @@ def follow_path(run: StaticRun, plan: Plan, *, quiet: bool = False) -> Result:
     console.print(effects_table(plan))
     if chosen := solver_choice(plan):
         console.print(f"linear solver: {chosen}", markup=False, highlight=False)
+    if chosen := newton_choice(plan):
+        console.print(f"Newton's method: {chosen}", markup=False, highlight=False)
     if run.finished:
         console.print("the path is complete already", markup=False)
     started = perf_counter()

@@ -25,6 +25,7 @@ from myobridge.static_recording import STATIC_QUANTITIES
 __all__ = [
     "effects_table",
     "ledger_table",
+    "newton_choice",
     "plugins_json",
     "plugins_table",
     "settings_table",
@@ -100,6 +101,21 @@ def solver_choice(plan: Plan) -> str:
     return f"{chosen.name} ({chosen.reason})"
 
 
+def newton_choice(plan: Plan) -> str:
+    """Newton's method of a plan and the reason for it; empty where nothing is solved."""
+    from myobridge.solvers import method_for
+
+    solid, path = plan.parts["solid"], plan.parts.get("continuation")
+    method = path or plan.parts.get("integrator")
+    if solid.n_unknowns == 0 or getattr(method, "explicit", False) or not hasattr(method, "newton"):
+        return ""
+    given = getattr(method, "newton", None)
+    if given is not None:
+        return f"{type(given).__name__}, as the scene says"
+    chosen = method_for(solid, path=path is not None)
+    return f"{chosen.name} ({chosen.reason})"
+
+
 def sizes_table(plan: Plan) -> Table:
     """How large a simulation is: unknowns, sites, memory, steps."""
     table = Table(title="sizes", title_justify="left")
@@ -110,6 +126,7 @@ def sizes_table(plan: Plan) -> Table:
     if solid.memory():
         table.add_row("tables of the solid", f"{_bytes(solid.memory())}, the data of its tangent included")
     table.add_row("linear solver", solver_choice(plan) or "none: nothing to solve")
+    table.add_row("Newton's method", newton_choice(plan) or "none: nothing to solve")
     if model is None:
         table.add_row("population", "none: no cross-bridges called for")
     elif plan.scaling is not None:

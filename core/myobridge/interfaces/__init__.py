@@ -16,7 +16,7 @@ from myobridge.interfaces.macro_solid import MacroSolid
 from myobridge.interfaces.material import Material, MaterialFunctions
 from myobridge.interfaces.mesh import MeshSource
 from myobridge.interfaces.motion import Balance, Matrix, Motion, VisibleMesh, Works
-from myobridge.interfaces.newton import KeptTangent, NewtonMethod, NewtonProblem, NewtonResult, NewtonStep
+from myobridge.interfaces.newton import KeptTangent, NewtonMethod, NewtonProblem, NewtonResult, NewtonStep, NewtonTask
 from myobridge.interfaces.signal import ActivationKinetics, Signal
 from myobridge.interfaces.stability_case import Expectation, Limit, StabilityCase
 from myobridge.interfaces.time_integrator import Memory, StepReport, StepResult, TimeIntegrator
@@ -53,6 +53,7 @@ __all__ = [
     "NewtonProblem",
     "NewtonResult",
     "NewtonStep",
+    "NewtonTask",
     "Overlap",
     "PathPoint",
     "Promises",

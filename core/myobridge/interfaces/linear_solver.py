@@ -154,10 +154,13 @@ class LinearSolver(ABC):
         One line for ``myobridge plugins``.
     tells_inertia : bool
         Whether its factorisations know the signs of the eigenvalues, or look for them.
+    direct : bool
+        Whether it factors; one that iterates wants the true system, and no second one to iterate on.
     """
 
     summary: ClassVar[str] = ""
     tells_inertia: ClassVar[bool] = False
+    direct: ClassVar[bool] = True
 
     @abstractmethod
     def factorise(self, system: LinearSystem) -> Factorisation:

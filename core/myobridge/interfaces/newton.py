@@ -15,10 +15,10 @@ from typing import ClassVar, NamedTuple
 import attrs
 
 from myobridge.interfaces.active_law import Array
-from myobridge.interfaces.linear_solver import Factorisation, LinearSystem
+from myobridge.interfaces.linear_solver import Factorisation, LinearSystem, SystemSize
 from myobridge.interfaces.motion import Matrix
 
-__all__ = ["KeptTangent", "NewtonMethod", "NewtonProblem", "NewtonResult", "NewtonStep"]
+__all__ = ["KeptTangent", "NewtonMethod", "NewtonProblem", "NewtonResult", "NewtonStep", "NewtonTask"]
 
 
 class NewtonProblem(ABC):
@@ -99,10 +99,33 @@ class NewtonResult(NamedTuple):
     kept: KeptTangent | None = None
 
 
+class NewtonTask(NamedTuple):
+    """What a method is wanted for: many problems, each much like the one before.
+
+    Attributes
+    ----------
+    size : SystemSize
+        Of the linear systems.
+    direct : bool
+        Whether the linear solver that suits them factors, or iterates.
+    path : bool
+        A path of equilibria, whose step is controlled by the number of iterations; else steps in time.
+    """
+
+    size: SystemSize
+    direct: bool
+    path: bool = False
+
+
 class NewtonMethod(ABC):
     """Abstract method; tolerances and limits are the attributes of a frozen class."""
 
     summary: ClassVar[str] = ""
+
+    @classmethod
+    def suits(cls, task: NewtonTask) -> bool:
+        """Whether this is the method for a task where a scene names none; of small systems nobody is asked."""
+        return False
 
     @abstractmethod
     def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:

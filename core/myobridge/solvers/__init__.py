@@ -27,6 +27,7 @@ from myobridge.solvers.linear import (
     solve,
     times,
 )
+from myobridge.solvers.method_choice import MethodChoice, method_for, method_for_size
 from myobridge.solvers.newton import ROUND_OFF, Ordinary, is_round_off, iterate, log_step, newton
 from myobridge.solvers.one_step import failed, implicit_stage, stage_report
 from myobridge.solvers.projection import (
@@ -51,6 +52,7 @@ __all__ = [
     "HeldTangent",
     "Inertia",
     "InertiaUnknown",
+    "MethodChoice",
     "NewtonResult",
     "Ordinary",
     "PointForce",
@@ -84,6 +86,8 @@ __all__ = [
     "largest_frequency",
     "log_step",
     "mass_solver",
+    "method_for",
+    "method_for_size",
     "newton",
     "onto_constraint",
     "point_force",

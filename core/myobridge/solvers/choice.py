@@ -14,7 +14,17 @@ from myobridge.solvers.dense import DenseFactorisation
 from myobridge.solvers.inertia import Inertia
 from myobridge.work import count
 
-__all__ = ["Automatic", "Choice", "choice_for", "choice_of", "choose", "factorise", "installed", "size_of"]
+__all__ = [
+    "Automatic",
+    "Choice",
+    "choice_for",
+    "choice_of",
+    "choose",
+    "factorise",
+    "installed",
+    "size_of",
+    "size_of_solid",
+]
 
 # Below this size LAPACK on the whole matrix costs less than any analysis of its pattern.
 _DENSE = 120
@@ -64,12 +74,15 @@ def choice_for(system: LinearSystem) -> Choice:
 
 def choice_of(solid: MacroSolid) -> Choice:
     """The solver for the tangents of a solid, before there is one."""
-    n = solid.n_unknowns + solid.rest_motion().multiplier.size
+    size = size_of_solid(solid)
+    return Choice("dense", f"{size.n_unknowns} unknowns") if size.n_unknowns <= _DENSE else choose(size)
+
+
+def size_of_solid(solid: MacroSolid) -> SystemSize:
+    """Size of the tangents of a solid, before there is one."""
     motions = solid.rigid_motions()
-    if n <= _DENSE:
-        return Choice("dense", f"{n} unknowns")
-    dimension = 3 if motions is not None and motions.shape[1] > 3 else 2
-    return choose(SystemSize(n, dimension, structured=motions is not None))
+    n = solid.n_unknowns + solid.rest_motion().multiplier.size
+    return SystemSize(n, 3 if motions is not None and motions.shape[1] > 3 else 2, structured=motions is not None)
 
 
 def size_of(system: LinearSystem) -> SystemSize:

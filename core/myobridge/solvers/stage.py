@@ -35,14 +35,13 @@ from myobridge.interfaces import (
 )
 from myobridge.solvers.kept import recalled, remembered
 from myobridge.solvers.linear import add_scaled, times
-from myobridge.solvers.newton import Ordinary
+from myobridge.solvers.method_choice import method_for
 from myobridge.solvers.step import effective_mass
 
 __all__ = ["Formula", "Solved", "solve_stage"]
 
 # Below this size the tangent costs next to nothing beside the residual: both come from one call.
 _SMALL = 100
-_ORDINARY = Ordinary()
 
 
 @attrs.frozen(eq=False)
@@ -233,12 +232,12 @@ def solve_stage(
     guess : ndarray, shape (n_unknowns,)
         Displacement at the end; where it is not admissible the start is the guess.
     newton : NewtonMethod, optional
-        The ordinary one unless given.
+        Chosen by size unless given (`method_for`).
     """
     problem = _Stage(solid, law, start, formula)
     if not solid.admissible(guess, problem.end_time):
         guess = start.displacement
     if problem.constrained:
         guess = np.concatenate([guess, start.multiplier / problem.scale])
-    found = (newton or _ORDINARY).solve(problem, guess, recalled(memory, solid))
+    found = (newton or method_for(solid).method).solve(problem, guess, recalled(memory, solid))
     return Solved(problem.motion(found.unknowns), remembered(memory, found.kept), found)

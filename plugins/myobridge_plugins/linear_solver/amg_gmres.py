@@ -53,6 +53,7 @@ class AmgGmres(LinearSolver):
     """
 
     tells_inertia: ClassVar[bool] = True
+    direct: ClassVar[bool] = False
     summary: ClassVar[str] = "GMRES with algebraic multigrid (pyamg), for large bodies in space"
 
     restart: int = integer(100, within="[10, inf)", doc="iterations between restarts of GMRES")

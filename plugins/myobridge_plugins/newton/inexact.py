@@ -17,6 +17,7 @@ from myobridge.interfaces import (
     NewtonMethod,
     NewtonProblem,
     NewtonResult,
+    NewtonTask,
 )
 from myobridge.parameters import integer, number, part
 from myobridge.solvers import HeldTangent, UnsolvedSystem, is_round_off, iterate
@@ -68,6 +69,10 @@ class Inexact(NewtonMethod):
     backtracks: int = integer(20, within="[1, inf)", doc="most halvings of a correction")
     forcing: float = number(0.01, within="(0, 1)", doc="largest relative residual of a linear system")
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
+
+    @classmethod
+    def suits(cls, task: NewtonTask) -> bool:
+        return task.path or not task.direct
 
     def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
         held = HeldTangent(kept, self.linear)

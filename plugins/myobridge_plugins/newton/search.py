@@ -9,6 +9,7 @@ import numpy as np
 
 from myobridge.interfaces import Array, NewtonProblem, NewtonStep
 from myobridge.solvers import ROUND_OFF, log_step
+from myobridge.work import count
 
 __all__ = ["Place", "Search"]
 
@@ -85,6 +86,8 @@ class Search:
         self._here = self.best
 
     def note(self, step: NewtonStep) -> None:
-        """Keep how an iteration went, and log it."""
+        """Keep how an iteration went, count it and log it."""
+        count("newton_iterations")
+        count("inner_iterations", step.linear_iterations)
         self.history.append(step)
         log_step(len(self.history), step, self.size)

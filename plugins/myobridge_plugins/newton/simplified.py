@@ -16,6 +16,7 @@ from myobridge.interfaces import (
     NewtonProblem,
     NewtonResult,
     NewtonStep,
+    NewtonTask,
 )
 from myobridge.parameters import integer, number, part
 from myobridge.solvers import (
@@ -92,6 +93,10 @@ class Simplified(NewtonMethod):
     contraction: float = number(0.7, within="(0, 1)", doc="fall of the residual below which an iteration is slow")
     depth: int = integer(5, within="[0, inf)", doc="earlier iterations that accelerate the next one")
     linear: LinearSolver | None = part("linear_solver", None, doc="linear solver; chosen by size unless given")
+
+    @classmethod
+    def suits(cls, task: NewtonTask) -> bool:
+        return task.direct and not task.path
 
     def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
         search = Search(problem, start, self.backtracks)
