@@ -83,7 +83,8 @@ def test_it_is_listed_with_package_and_version(installed, tmp_path: Path) -> Non
     assert row["description"] == "heads that never let go"
     assert row["effects"] == ["cross_bridges", "slip"]
     named = {(row["family"], row["name"]) for row in rows if row["package"] == "rubber-heads"}
-    assert named == {("cross_bridge", "rubber"), ("signal", "delayed"), ("material", "gent"), ("mesh", "wedge")}
+    plugins = {("cross_bridge", "rubber"), ("signal", "delayed"), ("material", "gent"), ("mesh", "wedge")}
+    assert named == plugins | {("stability_case", "swinging")}
     assert {row["package"] for row in rows} == {"myobridge", "rubber-heads"}
 
 
@@ -105,6 +106,22 @@ def test_its_author_tests_it_with_the_same_kit(page, installed, source, tmp_path
     out = python(["-m", "pytest", "-q", "-p", "no:cacheprovider", page], environment, tmp_path)
     assert " passed" in out
     assert "failed" not in out
+
+
+def test_its_case_and_its_model_are_in_the_atlas(installed, tmp_path: Path) -> None:
+    _, environment = installed
+    words = ["--method", "default", "midpoint", "backward_euler", "--workers", "1", "-q"]
+    python(["-m", "myobridge.cli", "stability", "--case", "swinging", *words], environment, tmp_path)
+    data = json.loads((tmp_path / "atlas" / "atlas.json").read_text())
+    found = {cell["method"]: cell for cell in data["cells"]}
+    assert {name: cell["outcome"] for name, cell in found.items()} == {
+        "default": "holds",
+        "midpoint": "holds",
+        "backward_euler": "fails",
+    }
+    assert found["default"]["measured"]["steps"] == 500
+    out = python(["-m", "myobridge.cli", "stability", "--list", "--method", "rubber"], environment, tmp_path)
+    assert "contraction:plain/cross_bridges/rubber" in out
 
 
 def test_without_it_the_scene_names_what_is_missing(source, cli) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from time import perf_counter
+from time import process_time
 
 from myobridge.atlas.catalogue import QUANTITIES
 from myobridge.atlas.cell import Cell, Finding, unlike
@@ -21,19 +21,19 @@ __all__ = ["found"]
 
 def found(cell: Cell) -> Finding:
     """Try a cell."""
-    started = perf_counter()
+    started = process_time()
     case, expectation = cell.case, cell.expectation
     try:
         scene = cell.base.with_settings(cell.method.settings)
     except MyobridgeError as error:
-        return _refused(cell, str(error), perf_counter() - started)
+        return _refused(cell, str(error), process_time() - started)
     predicted: dict[str, float] = {}
     trial = _tried(cell, scene, predicted)
     if trial.refused:
-        return _refused(cell, trial.refused, perf_counter() - started)
+        return _refused(cell, trial.refused, process_time() - started)
     if case.refused_with:
         return Finding.of(
-            cell, "fails", why="the scene was not refused", measured=trial.measured, seconds=perf_counter() - started
+            cell, "fails", why="the scene was not refused", measured=trial.measured, seconds=process_time() - started
         )
     measured = dict(trial.measured)
     why = violations(trial, case.limits)
@@ -53,7 +53,7 @@ def found(cell: Cell) -> Finding:
         predicted=predicted,
         largest_step=step,
         beyond=beyond,
-        seconds=perf_counter() - started,
+        seconds=process_time() - started,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Collection, Mapping
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import attrs
@@ -117,7 +117,7 @@ def _run(
     gauges = {name: RUN_GAUGES[name](simulation) for name in names if RUN_GAUGES[name].applies(simulation)}
     control = simulation.control
     simulation.control = counted = _CountedControl(control.dt, control.halvings, control.successes, halvings)
-    iterations, stopped, started = 0, "", perf_counter()
+    iterations, stopped, started = 0, "", process_time()
     while not stopped and not simulation.finished(scene.duration):
         try:
             report = simulation.step(scene.duration)
@@ -130,7 +130,7 @@ def _run(
         iterations = max(iterations, report.iterations)
         for gauge in gauges.values():
             gauge.observe(simulation, report)
-        stopped = _lost(simulation, gauges, perf_counter() - started, seconds)
+        stopped = _lost(simulation, gauges, process_time() - started, seconds)
     measured = {"steps": float(simulation.steps), "iterations": float(iterations), "halvings": float(counted.count)}
     for name, gauge in gauges.items():
         measured[name] = gauge.value(None if fine is None else fine.traces.get(name))
