@@ -24,6 +24,7 @@ from myobridge.interfaces import (
     Balance,
     ContinuationProblem,
     CrossBridgeModel,
+    Factorisation,
     LinearSystem,
     MacroSolid,
     Matrix,
@@ -61,7 +62,7 @@ class SteadyTension:
 
 @final
 class Equilibria(ContinuationProblem):
-    """Equilibria of a solid; everything is taken at time 0.
+    """Equilibria of a solid; loads and supports are taken at one time.
 
     Parameters
     ----------
@@ -72,13 +73,18 @@ class Equilibria(ContinuationProblem):
         What the scale multiplies.
     to : float
         Scale at level 1.
+    time : float
+        When loads and supports are looked at [s].
     """
 
-    def __init__(self, solid: MacroSolid, tension: SteadyTension | None, *, of: str, to: float = 1.0) -> None:
+    def __init__(
+        self, solid: MacroSolid, tension: SteadyTension | None, *, of: str, to: float = 1.0, time: float = 0.0
+    ) -> None:
         self.solid = solid
         self.tension = tension
         self.of = of
         self.to = to
+        self.time = time
         rest = solid.rest_motion()
         self.n_displacements = rest.displacement.size
         self.n_constraints = rest.multiplier.size
@@ -109,7 +115,7 @@ class Equilibria(ContinuationProblem):
         """Active law [Pa] at a state; None without cross-bridges."""
         if self.tension is None:
             return None
-        stretch = self.solid.stretch(unknowns[: self.n_displacements], 0.0)
+        stretch = self.solid.stretch(unknowns[: self.n_displacements], self.time)
         return self.tension.law(stretch, self.scales(level)[0])
 
     # ------------------------------------------------------------------ what a strategy asks
@@ -129,7 +135,7 @@ class Equilibria(ContinuationProblem):
         stiffness, load = balance.stiffness, self.scales(level)[1]
         assert stiffness is not None
         if load != 1.0:
-            from_load = self.solid.external_stiffness(unknowns[: self.n_displacements], 0.0)
+            from_load = self.solid.external_stiffness(unknowns[: self.n_displacements], self.time)
             if from_load is not None:
                 stiffness = stiffness - (1.0 - load) * from_load
         if balance.constraint_gradient is None:
@@ -156,24 +162,26 @@ class Equilibria(ContinuationProblem):
         n = self.n_displacements
         if self.of != "load" and self.tension is not None:
             motion = self.motion(unknowns)
-            law = self.tension.law(self.solid.stretch(motion.displacement, 0.0), 1.0)
+            law = self.tension.law(self.solid.stretch(motion.displacement, self.time), 1.0)
             # A solid applies the tension linearly: the difference is the active force, whatever the scale.
-            active = self.solid.balance(motion, law, 0.0, rate=False).force
-            found[:n] += self.to * (active - self.solid.balance(motion, None, 0.0, rate=False).force)
+            active = self.solid.balance(motion, law, self.time, rate=False).force
+            found[:n] += self.to * (active - self.solid.balance(motion, None, self.time, rate=False).force)
         if self.of != "tension":
             found[:n] -= self.to * self._external(unknowns)
         return found
 
-    def negative_eigenvalues(self, unknowns: Array, level: float) -> int:
+    def negative_eigenvalues(self, unknowns: Array, level: float, factorisation: Factorisation | None = None) -> int:
         from myobridge.solvers import InertiaUnknown, SingularMatrix, stability
 
         try:
-            return stability(self.system(unknowns, level))
+            return stability(self.system(unknowns, level), factorisation)
         except (InertiaUnknown, SingularMatrix):
             return -1
 
     def admissible(self, unknowns: Array) -> bool:
-        return bool(np.all(np.isfinite(unknowns))) and self.solid.admissible(unknowns[: self.n_displacements])
+        return bool(np.all(np.isfinite(unknowns))) and self.solid.admissible(
+            unknowns[: self.n_displacements], self.time
+        )
 
     def magnitude(self, unknowns: Array, level: float) -> float:
         balance = self._balance(unknowns, level)
@@ -186,14 +194,14 @@ class Equilibria(ContinuationProblem):
         if bulk_modulus not in self._softer:  # at every level the same few are asked for
             solid = self.solid.softened(bulk_modulus)
             self._softer[bulk_modulus] = (
-                None if solid is None else Equilibria(solid, self.tension, of=self.of, to=self.to)
+                None if solid is None else Equilibria(solid, self.tension, of=self.of, to=self.to, time=self.time)
             )
         return self._softer[bulk_modulus]
 
     # ------------------------------------------------------------------ inside
 
     def _external(self, unknowns: Array) -> Array:
-        return self.solid.external_force(unknowns[: self.n_displacements], 0.0)
+        return self.solid.external_force(unknowns[: self.n_displacements], self.time)
 
     def _balance(self, unknowns: Array, level: float, *, tangent: bool = False) -> Balance:
         """Balance under tension at its scale and full load; that of the last state is kept."""
@@ -202,6 +210,6 @@ class Equilibria(ContinuationProblem):
             if at == level and (balance.stiffness is not None or not tangent) and np.array_equal(there, unknowns):
                 return balance
         law = self.law(unknowns, level)
-        balance = self.solid.balance(self.motion(unknowns), law, 0.0, rate=False, tangent=tangent)
+        balance = self.solid.balance(self.motion(unknowns), law, self.time, rate=False, tangent=tangent)
         self._latest = (unknowns.copy(), level, balance)
         return balance

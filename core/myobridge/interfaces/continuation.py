@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces.active_law import Array
-from myobridge.interfaces.linear_solver import LinearSystem
+from myobridge.interfaces.linear_solver import Factorisation, LinearSystem
 from myobridge.interfaces.motion import Matrix
 
 __all__ = ["ContinuationPath", "ContinuationProblem", "ContinuationStrategy", "PathPoint"]
@@ -38,8 +38,11 @@ class ContinuationProblem(ABC):
         """dF/dl, shape (n_unknowns,)."""
 
     @abstractmethod
-    def negative_eigenvalues(self, unknowns: Array, level: float) -> int:
-        """Negative eigenvalues of the tangent beyond those of a stable state: 0 is stable, -1 not known."""
+    def negative_eigenvalues(self, unknowns: Array, level: float, factorisation: Factorisation | None = None) -> int:
+        """Negative eigenvalues of the tangent beyond those of a stable state: 0 is stable, -1 not known.
+
+        Strategies hand over the factorisation of the tangent where they have one; it may know the answer.
+        """
 
     def admissible(self, unknowns: Array) -> bool:
         """Whether the state is physically possible."""

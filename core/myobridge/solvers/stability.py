@@ -34,10 +34,8 @@ def stability(system: LinearSystem, factorisation: Factorisation | None = None) 
     known = None if factorisation is None else factorisation.inertia()
     if known is None:
         solver = choice_for(system).solver
-        if solver is None or not solver.tells_inertia:
-            known = _proven(system)
-        elif factorisation is None:
-            known = solver.factorise(system).inertia()
+        asked = solver is not None and solver.tells_inertia
+        known = solver.factorise(system).inertia() if solver and asked else _proven(system)
     if known is None:
         raise InertiaUnknown(
             f"the eigenvalues of a system of {system.n_unknowns} unknowns were not counted: no factorisation that "

@@ -15,19 +15,22 @@ from myobridge.interfaces import (
     ContinuationPath,
     ContinuationProblem,
     ContinuationStrategy,
+    LinearSystem,
     NewtonMethod,
     PathPoint,
 )
 from myobridge.parameters import integer, number, part
-from myobridge.solvers import Ordinary, SingularMatrix, UnsolvedSystem, bordered, solve
-from myobridge_plugins.continuation.equilibrium import accepted, length, slope
+from myobridge.solvers import SingularMatrix, UnsolvedSystem, bordered, solve
+from myobridge_plugins.continuation.equilibrium import accepted, default_method, length, slope
 from myobridge_plugins.continuation.in_plane import InPlane
+from myobridge_plugins.continuation.last_tangent import SMALL, LastTangent
 from myobridge_plugins.continuation.stops import Watch, begin_path, keep, next_stop
 
 __all__ = ["Arclength"]
 
 
-_ORDINARY = Ordinary(tolerance=1e-10, max_iterations=12)
+# Newton iterations of a step unless a method is given.
+_ITERATIONS = 12
 
 
 class Metric(NamedTuple):
@@ -85,7 +88,7 @@ class Arclength(ContinuationStrategy):
     max_points : int
         Most points of a path, and Newton iterations of a step.
     newton : NewtonMethod, optional
-        Method, tolerance, iterations, linear solver; unless given the ordinary one to 1e-10 in at most 12
+        Method, tolerance, iterations, linear solver; unless given one that suits the size, to 1e-10 in at most 12
         iterations.
 
     References
@@ -106,7 +109,7 @@ class Arclength(ContinuationStrategy):
     lowest: float = number(0.0, within="(-inf, 0]", doc="level at which a path that comes back is given up")
     max_points: int = integer(1000, within="[2, inf)", doc="most points of a path")
     newton: NewtonMethod | None = part(
-        "newton", None, doc="Newton's method; unless given the ordinary one to 1e-10, of at most 12 iterations"
+        "newton", None, doc="Newton's method; chosen by size unless given, to 1e-10 in at most 12 iterations"
     )
 
     def trace(
@@ -118,8 +121,9 @@ class Arclength(ContinuationStrategy):
         watch: Watch | None = None,
         earlier: Sequence[PathPoint] = (),
     ) -> ContinuationPath:
-        points = list(earlier)
-        if complaint := begin_path(points, problem, start, self.newton or _ORDINARY, watch):
+        points, last = list(earlier), LastTangent(self.newton)
+        method = self.newton or default_method(start.size, _ITERATIONS)
+        if complaint := begin_path(points, problem, start, method, watch):
             return ContinuationPath((), False, complaint)
         direction = self._first_direction(problem, points)
         if direction is None:
@@ -137,7 +141,7 @@ class Arclength(ContinuationStrategy):
             direction = metric.unit(direction)
             spent = 0
             while True:
-                trial = self._advance(problem, here, direction, step, metric, next_stop(points, stops))
+                trial = self._advance(problem, here, direction, step, metric, next_stop(points, stops), last)
                 spent += trial.iterations
                 if not trial.complaint:
                     break
@@ -181,7 +185,14 @@ class Arclength(ContinuationStrategy):
         return min(max(min(by_iterations, by_turn), 0.5), 2.0)
 
     def _advance(
-        self, problem: ContinuationProblem, here: Array, direction: Array, step: float, metric: Metric, stop: float
+        self,
+        problem: ContinuationProblem,
+        here: Array,
+        direction: Array,
+        step: float,
+        metric: Metric,
+        stop: float,
+        last: LastTangent,
     ) -> Trial:
         """One step along the path, or to the level `stop` where that is nearer."""
         guess = here + step * direction
@@ -189,10 +200,10 @@ class Arclength(ContinuationStrategy):
         at_stop = guess[-1] >= stop
         if at_stop:
             guess, row = _at_level(stop, here, direction)
-        trial = self._correct(problem, guess, row)
+        trial = self._correct(problem, guess, row, last)
         if not trial.complaint and not at_stop and trial.point[-1] > stop:
             # The guess was below and the path is above: cut the chord, correct at that level.
-            cut = self._correct(problem, *_at_level(stop, here, trial.point - here))
+            cut = self._correct(problem, *_at_level(stop, here, trial.point - here), last)
             trial = cut._replace(iterations=trial.iterations + cut.iterations)
             at_stop = True
         if trial.complaint:
@@ -203,7 +214,7 @@ class Arclength(ContinuationStrategy):
         if metric.product(change, change) > (2.0 * step) ** 2:
             return trial._replace(complaint="the solution found is too far away, on another branch")
         try:
-            ahead = metric.unit(_direction(problem, trial.point, metric.factors * direction))
+            ahead = metric.unit(_direction(problem, trial.point, metric.factors * direction, last))
         except (SingularMatrix, UnsolvedSystem):
             return trial._replace(complaint="the bordered matrix is singular: branches meet here")
         turn = math.degrees(math.acos(min(max(metric.product(direction, ahead), -1.0), 1.0)))
@@ -211,13 +222,16 @@ class Arclength(ContinuationStrategy):
             return trial._replace(complaint=f"the path turns by {turn:.3g} degrees in one step")
         return trial._replace(direction=ahead, turn=turn)
 
-    def _correct(self, problem: ContinuationProblem, guess: Array, row: Array) -> Trial:
+    def _correct(self, problem: ContinuationProblem, guess: Array, row: Array, last: LastTangent) -> Trial:
         """Point of the path in the plane through `guess` with normal `row`."""
         if not problem.admissible(guess[:-1]):
             return Trial(guess, row, 0.0, 0, "the step leads to a state that is not admissible")
         row = row * _load(problem, guess)
         with np.errstate(all="ignore"):  # far off, a trial may overflow; Newton sees it and backtracks
-            found = (self.newton or _ORDINARY).solve(InPlane(problem, guess, row), guess)
+            method = self.newton or default_method(guess.size, _ITERATIONS)
+            found = method.solve(InPlane(problem, guess, row), guess, last.kept)
+        if found.converged:
+            last.take(found.kept)
         return Trial(found.unknowns, row, 0.0, found.iterations, "" if found.converged else found.reason)
 
     def _too_small(self, points: list[PathPoint], complaint: str) -> str:
@@ -259,7 +273,7 @@ def _load(problem: ContinuationProblem, point: Array) -> float:
     return float(np.linalg.norm(problem.level_derivative(point[:-1], float(point[-1])))) or 1.0
 
 
-def _direction(problem: ContinuationProblem, point: Array, row: Array) -> Array:
+def _direction(problem: ContinuationProblem, point: Array, row: Array, last: LastTangent) -> Array:
     """Direction of the path at a point, on the positive side of `row`."""
     unknowns, level = point[:-1], float(point[-1])
     load = _load(problem, point)
@@ -267,7 +281,8 @@ def _direction(problem: ContinuationProblem, point: Array, row: Array) -> Array:
     tangent = bordered(problem.tangent(unknowns, level), column, load * row[:-1], load * float(row[-1]))
     right = np.zeros(point.size)
     right[-1] = load
-    found = solve(tangent, right)
+    large = point.size > SMALL and isinstance(tangent, LinearSystem)
+    found = last.solve(tangent, right) if large else solve(tangent, right)
     if not np.all(np.isfinite(found)):
         raise SingularMatrix
     return found

@@ -18,6 +18,7 @@ from myobridge.interfaces import (
 )
 from myobridge.parameters import integer, number, part
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, length, slope
+from myobridge_plugins.continuation.last_tangent import LastTangent
 from myobridge_plugins.continuation.stops import Watch, begin_path, keep, next_stop
 
 __all__ = ["Natural"]
@@ -45,7 +46,7 @@ class Natural(ContinuationStrategy):
     easy : int
         Iterations up to which a step counts as easy.
     newton : NewtonMethod, optional
-        Method, tolerance, iterations, linear solver; unless given the ordinary one to 1e-10 in at most 20
+        Method, tolerance, iterations, linear solver; unless given one that suits the size, to 1e-10 in at most 20
         iterations.
 
     Departures
@@ -67,7 +68,7 @@ class Natural(ContinuationStrategy):
     smallest: float = number(1e-4, within="(0, 1]", doc="smallest step of the level, at which it gives up")
     easy: int = integer(6, within="[1, inf)", doc="iterations up to which a step is easy, and the next one larger")
     newton: NewtonMethod | None = part(
-        "newton", None, doc="Newton's method; unless given the ordinary one to 1e-10, of at most 20 iterations"
+        "newton", None, doc="Newton's method; chosen by size unless given, to 1e-10 in at most 20 iterations"
     )
 
     def trace(
@@ -79,10 +80,10 @@ class Natural(ContinuationStrategy):
         watch: Watch | None = None,
         earlier: Sequence[PathPoint] = (),
     ) -> ContinuationPath:
-        points = list(earlier)
-        if complaint := begin_path(points, problem, start, self.newton, watch):
+        points, last = list(earlier), LastTangent(self.newton)
+        if complaint := begin_path(points, problem, start, self.newton, watch, last):
             return ContinuationPath((), False, complaint)
-        ahead = slope(problem, points[-1].unknowns, points[-1].level)
+        ahead = slope(problem, points[-1].unknowns, points[-1].level, last)
         halvings, spent = 0, 0
         while points[-1].level < 1.0:
             here = points[-1]
@@ -90,16 +91,16 @@ class Natural(ContinuationStrategy):
             stop = next_stop(points, stops)
             # A rest smaller than the smallest step is not left over.
             level = stop if here.level + step > stop - 0.5 * self.smallest else here.level + step
-            found = equilibrium(problem, self._guess(problem, here, ahead, level), level, self.newton)
+            found = equilibrium(problem, self._guess(problem, here, ahead, level), level, self.newton, last)
             spent += found.iterations
             reason = found.reason
             following = None
             if found.converged:
-                following = slope(problem, found.unknowns, level)
+                following = slope(problem, found.unknowns, level, last)
                 checks, reason = self._way_back(problem, here, found.unknowns, level, following)
                 spent += checks
             if not reason:
-                keep(points, accepted(problem, found.unknowns, level, spent), watch)
+                keep(points, accepted(problem, found.unknowns, level, spent, last), watch)
                 ahead, spent = following, 0
                 if found.iterations <= self.easy:
                     halvings = max(halvings - 1, 0)

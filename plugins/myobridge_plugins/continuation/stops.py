@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 from myobridge.interfaces import Array, ContinuationProblem, NewtonMethod, PathPoint
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium
+from myobridge_plugins.continuation.last_tangent import LastTangent
 
 __all__ = ["Watch", "begin_path", "keep", "next_stop"]
 
@@ -18,11 +19,12 @@ def begin_path(
     start: Array,
     method: NewtonMethod | None,
     watch: Watch | None,
+    last: LastTangent | None = None,
 ) -> str:
     """Put the equilibrium at level 0 to an empty path; why there is none, where there is none."""
     if points:
         return ""
-    first = equilibrium(problem, start, 0.0, method)
+    first = equilibrium(problem, start, 0.0, method, last)
     if not first.converged:
         return f"no equilibrium at level 0 from the given start: {first.reason}."
     keep(points, accepted(problem, first.unknowns, 0.0, first.iterations), watch)

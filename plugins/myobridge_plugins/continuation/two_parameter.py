@@ -18,8 +18,8 @@ from myobridge.interfaces import (
     PathPoint,
 )
 from myobridge.parameters import integer, number, part
-from myobridge.solvers import NewtonResult
 from myobridge_plugins.continuation.equilibrium import accepted, equilibrium, slope
+from myobridge_plugins.continuation.last_tangent import LastTangent
 from myobridge_plugins.continuation.stops import Watch, keep, next_stop
 
 __all__ = ["TwoParameter"]
@@ -60,7 +60,7 @@ class TwoParameter(ContinuationStrategy):
     easy : int
         Newton iterations up to which a step is easy.
     newton : NewtonMethod, optional
-        Method, tolerance, iterations, linear solver; unless given the ordinary one to 1e-10 in at most 20
+        Method, tolerance, iterations, linear solver; unless given one that suits the size, to 1e-10 in at most 20
         iterations.
 
     Departures
@@ -84,7 +84,7 @@ class TwoParameter(ContinuationStrategy):
     smallest_hardening: float = number(0.02, within="(0, 1]", doc="smallest step of gamma")
     easy: int = integer(6, within="[1, inf)", doc="iterations up to which a step is easy, and the next one larger")
     newton: NewtonMethod | None = part(
-        "newton", None, doc="Newton's method; unless given the ordinary one to 1e-10, of at most 20 iterations"
+        "newton", None, doc="Newton's method; chosen by size unless given, to 1e-10 in at most 20 iterations"
     )
 
     def __attrs_post_init__(self) -> None:
@@ -109,14 +109,15 @@ class TwoParameter(ContinuationStrategy):
                 "the continuation 'two_parameter' needs a tissue with a bulk modulus that can be lowered, and this "
                 "problem offers none: use 'natural' or 'arclength', or a solid with the effect 'incompressibility'"
             )
-        points = list(earlier)
+        # One tangent of the softest tissue, to the next level; harder ones are too different.
+        points, last = list(earlier), LastTangent(self.newton)
         level = points[-1].level if points else 0.0
         guess = points[-1].unknowns if points else start
         if points:  # of the path so far only hardened states are known
-            again = self._equilibrium(softest, guess, level)
+            again = equilibrium(softest, guess, level, self.newton, last)
             soft = again.unknowns if again.converged else guess
         else:
-            pair = self._pair(problem, softest, guess, 0.0)
+            pair = self._pair(problem, softest, guess, 0.0, last)
             if pair.complaint:
                 return ContinuationPath((), False, f"no equilibrium at level 0 from the given start: {pair.complaint}.")
             soft = pair.soft
@@ -127,7 +128,8 @@ class TwoParameter(ContinuationStrategy):
             step = self.step / 2.0**halvings
             stop = next_stop(points, stops)
             level = stop if here + step > stop - 0.5 * self.smallest else here + step
-            pair = self._pair(problem, softest, self._guess(softest, soft, here, level), level)
+            guess = self._guess(softest, soft, here, level, last)
+            pair = self._pair(problem, softest, guess, level, last)
             spent += pair.iterations
             if not pair.complaint:
                 soft = pair.soft
@@ -139,29 +141,33 @@ class TwoParameter(ContinuationStrategy):
                 halvings += 1
         return ContinuationPath(tuple(points), True)
 
-    def _guess(self, softest: ContinuationProblem, soft: Array, here: float, level: float) -> Array:
-        ahead = slope(softest, soft, here)
+    def _guess(self, softest: ContinuationProblem, soft: Array, here: float, level: float, last: LastTangent) -> Array:
+        ahead = slope(softest, soft, here, last)
         if ahead is None:
             return soft
         guess = soft + (level - here) * ahead
         return guess if softest.admissible(guess) else soft
 
-    def _equilibrium(self, problem: ContinuationProblem, guess: Array, level: float) -> NewtonResult:
-        return equilibrium(problem, guess, level, self.newton)
-
-    def _pair(self, problem: ContinuationProblem, softest: ContinuationProblem, guess: Array, level: float) -> Pair:
+    def _pair(
+        self,
+        problem: ContinuationProblem,
+        softest: ContinuationProblem,
+        guess: Array,
+        level: float,
+        last: LastTangent,
+    ) -> Pair:
         """Equilibrium of the softest tissue, and from there that of the tissue itself."""
-        first = self._equilibrium(softest, guess, level)
+        first = equilibrium(softest, guess, level, self.newton, last)
         if not first.converged:
             return Pair(guess, guess, first.iterations, f"{self._at(0.0)}: {first.reason}")
         spent, unknowns = first.iterations, first.unknowns
-        gamma, halvings = 0.0, 0
+        gamma, halvings, hardened = 0.0, 0, LastTangent(self.newton)
         while gamma < 1.0:
             step = self.hardening / 2.0**halvings
             following = 1.0 if gamma + step > 1.0 - 0.5 * self.smallest_hardening else gamma + step
             harder = problem.softened(self._modulus(following))
             assert harder is not None
-            found = self._equilibrium(harder, unknowns, level)
+            found = equilibrium(harder, unknowns, level, self.newton, hardened)
             spent += found.iterations
             if found.converged:
                 gamma, unknowns = following, found.unknowns
@@ -170,9 +176,9 @@ class TwoParameter(ContinuationStrategy):
                 return Pair(guess, guess, spent, f"{self._at(following)}: {found.reason}")
             else:
                 halvings += 1
-        last = self._equilibrium(problem, unknowns, level)
-        complaint = "" if last.converged else f"at the tissue's own bulk modulus: {last.reason}"
-        return Pair(first.unknowns, last.unknowns, spent + last.iterations, complaint)
+        own = equilibrium(problem, unknowns, level, self.newton, hardened)
+        complaint = "" if own.converged else f"at the tissue's own bulk modulus: {own.reason}"
+        return Pair(first.unknowns, own.unknowns, spent + own.iterations, complaint)
 
     def _modulus(self, gamma: float) -> float:
         return 10.0 ** (self.first_exponent + gamma * (self.last_exponent - self.first_exponent))
