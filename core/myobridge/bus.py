@@ -62,6 +62,8 @@ class CouplingBus:
         Stage between stimulation and activation (calcium).
     density : ndarray, shape (n_sites,), optional
         Sarcomere density [-]; 1 without.
+    population : ndarray, shape (n_sites, m), optional
+        Micro state at the start; the model's own without.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class CouplingBus:
         activation: Signal | None = None,
         kinetics: ActivationKinetics | None = None,
         density: Array | None = None,
+        population: Array | None = None,
     ) -> None:
         n_sites = site_volumes.size
         self.model = model
@@ -82,7 +85,7 @@ class CouplingBus:
         self._volumes = site_volumes
         self._energy_scale = site_volumes * self.scale
         self._stimulation = Stimulation(n_sites, activation, kinetics)
-        self._population = model.initial_state(n_sites)
+        self._population = model.initial_state(n_sites) if population is None else population
         self._stretch = np.array(stretch, dtype=float)
         self._activation_state = self._stimulation.initial_state()
         self._r = self._stimulation.initial()

@@ -66,8 +66,13 @@ class Plan:
             raise SceneError(f"{scene.origin.of(error.key)}{error.key}: {error.problem}") from None
         return cls(scene, parts, {section: str(table["plugin"]) for section, table in tables.items()}, scaling)
 
-    def composed(self) -> Simulation | Statics:
+    def composed(self, *, begin: bool = True) -> Simulation | Statics:
         """The simulation, ready to step, or the statics of a scene without time.
+
+        Parameters
+        ----------
+        begin : bool
+            Find the motion in which the scene starts; without, the simulation waits for a state to be restored.
 
         Raises
         ------
@@ -80,7 +85,7 @@ class Plan:
             if self.scaling is not None:
                 return composed_statics(scene, self.scaling, parts)
             _check_memory(self.sizes())
-            simulation = _composed(scene, parts)
+            simulation = _composed(scene, parts, begin=begin)
             _check_record(scene, simulation)
         except ParameterError as error:
             raise SceneError(f"{scene.origin.of(error.key)}{error.key}: {error.problem}") from None
@@ -199,7 +204,7 @@ def _check_memory(sizes: Mapping[str, int]) -> None:
         )
 
 
-def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
+def _composed(scene: Scene, parts: Mapping[str, Any], *, begin: bool) -> Simulation:
     if scene.step > scene.duration:
         raise ParameterError("scene.step", f"is {scene.step:g} s, longer than the duration of {scene.duration:g} s")
     solid, activation = parts["solid"], located(parts.get("activation"), parts["solid"])
@@ -208,7 +213,8 @@ def _composed(scene: Scene, parts: Mapping[str, Any]) -> Simulation:
     if solid.n_unknowns == 0:
         check_prescribed_stretch(solid, scene.duration)
     try:
-        return Simulation(dt=scene.step, tolerance=scene.tolerance, **parts)
+        start = (scene.start or "as_given") if begin else None
+        return Simulation(dt=scene.step, tolerance=scene.tolerance, start=start, **parts)
     except ParameterError as error:  # the density is the only part that meets the sites at this moment
         raise ParameterError(f"sarcomere_density.{error.key}", error.problem) from None
 

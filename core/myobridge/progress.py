@@ -40,6 +40,8 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
         console.print(f"linear solver: {chosen}", markup=False, highlight=False)
     if chosen := newton_choice(plan):
         console.print(f"Newton's method: {chosen}", markup=False, highlight=False)
+    if said := run.simulation.begun.said:
+        console.print(f"start: {said}", markup=False, highlight=False)
     if run.simulation.finished(end):
         console.print(f"t = {run.simulation.time:.6g} s is the end already; --set scene.duration=... goes on")
     first, started = run.simulation.steps, perf_counter()

@@ -167,9 +167,9 @@ def run(
     return under_way.trace() if isinstance(under_way, StaticRun) else under_way.to(scene.duration)
 
 
-def start(plan: Plan, output: str | os.PathLike[str] | None = None) -> Run | StaticRun:
-    """Run of a plan, not yet stepped."""
-    scene, composed = plan.scene, plan.composed()
+def start(plan: Plan, output: str | os.PathLike[str] | None = None, *, begin: bool = True) -> Run | StaticRun:
+    """Run of a plan, not yet stepped; see `Plan.composed` for `begin`."""
+    scene, composed = plan.scene, plan.composed(begin=begin)
     said: dict[str, Any] = {"scene": scene.to_toml(), "plugins": plan.names, "folder": scene.folder, "output": output}
     if isinstance(composed, Simulation):
         return Run(composed, scene.record, **said)
@@ -204,7 +204,7 @@ def resume(
     if settings:
         _check_settings(settings, Scene.from_toml(earlier.scene, folder=folder, source=source).static)
     scene = Scene.from_toml(earlier.scene, folder=folder, source=source, settings=settings)
-    continued = start(Plan.of(scene), path if output is None else output)
+    continued = start(Plan.of(scene), path if output is None else output, begin=False)
     if isinstance(continued, StaticRun):
         continued.resume(earlier)
         return continued, scene

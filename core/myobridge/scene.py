@@ -17,9 +17,10 @@ import attrs
 from myobridge.effects import EFFECTS, LISTS_OF_SOLID
 from myobridge.errors import ParameterError, SceneError, nearest
 from myobridge.location import Origin
-from myobridge.parameters import declared, number, text
+from myobridge.parameters import choice, declared, number, text
 from myobridge.recording import Record
 from myobridge.settings import normalised, override
+from myobridge.starts import STARTS
 
 __all__ = ["Scene"]
 
@@ -105,6 +106,8 @@ class Scene:
         Simulated time and nominal step [s]; not given in a scene without time.
     tolerance : float, optional
         Largest estimated error of a displacement in one step [m]; the nominal step is the longest then.
+    start : {"as_given", "projected", "equilibrium"}, optional
+        Where it begins, see `myobridge.starts`; as given without.
     solid : mapping
         ``plugin`` and its parameters; likewise `cross_bridges`, `activation`, `calcium`, `sarcomere_density`,
         `integrator` and `coupling`, which may be left out.
@@ -127,6 +130,7 @@ class Scene:
     tolerance: float | None = number(
         None, unit="m", within="(0, inf)", doc="largest error of a step, else it is halved; without, no control"
     )
+    start: str | None = choice(None, STARTS, doc="where it begins; as the solid has it when left out")
     effects: tuple[str, ...] = attrs.field(default=(), converter=_effects)
     solid: Table = _section(required=True)
     loads: tuple[Table, ...] = _list()
@@ -154,7 +158,7 @@ class Scene:
                 raise ParameterError(
                     key, "is missing; expected a number in (0, inf) [s], or a [continuation] for a scene without time"
                 )
-        for key in ("integrator", "coupling", "tolerance"):
+        for key in ("integrator", "coupling", "tolerance", "start"):
             if self.static and getattr(self, key) is not None:
                 raise ParameterError(key, "steps through time, and a scene with [continuation] has none; leave it out")
 
@@ -234,7 +238,7 @@ class Scene:
         return Scene._from_data(self.to_data(), self.folder, self.origin, settings)
 
 
-_HEAD = ("name", "duration", "step", "tolerance", "effects")
+_HEAD = ("name", "duration", "step", "tolerance", "start", "effects")
 _SECTIONS = (
     "solid",
     *LISTS_OF_SOLID,

@@ -28,9 +28,10 @@ from myobridge.interfaces import (
 )
 from myobridge.ledger import Ledger
 from myobridge.solvers import kinetic_energy
+from myobridge.starts import Fibres, Start, begun
 from myobridge.step_control import StepControl
 from myobridge.step_error import StepError
-from myobridge.stimulation import located
+from myobridge.stimulation import Stimulation, located
 
 __all__ = ["Simulation"]
 
@@ -57,6 +58,13 @@ class Simulation:
     tolerance : float, optional
         Largest error of a displacement in one step [m], as `myobridge.step_error` estimates it; longer steps are
         halved, down from `dt`.
+    start : {"as_given", "projected", "equilibrium"}, optional
+        Where it begins, see `myobridge.starts`. None: with whatever the solid says, for a state to be restored.
+
+    Attributes
+    ----------
+    begun : Start
+        How it began.
 
     Raises
     ------
@@ -76,6 +84,7 @@ class Simulation:
         sarcomere_density: SarcomereDensity | None = None,
         dt: float = 1e-3,
         tolerance: float | None = None,
+        start: str | None = "as_given",
     ) -> None:
         if not dt > 0.0:
             raise SceneError(f"step: is {dt!r}; expected a number in (0, inf) [s]")
@@ -91,17 +100,21 @@ class Simulation:
         self.time = 0.0
         self.steps = 0
         self.control = StepControl(dt)
-        self.motion: Motion = solid.rest_motion()
-        self.memory: Memory = integrator.initial_memory(solid, self.motion)
         self.seconds = {"mechanics": 0.0, "cross_bridges": 0.0, "ledger": 0.0}
         self.iterations = 0
         self.bus: CouplingBus | None = None
         activation = located(activation, solid)
         self._check(cross_bridges, activation, calcium, sarcomere_density)
+        density, fibres = None, None
         if cross_bridges is not None:
-            density = None
             if sarcomere_density is not None:
                 density = np.array(np.broadcast_to(sarcomere_density.at(solid.site_positions()), (solid.n_sites,)))
+            unit = cross_bridges.p_max * (np.ones(solid.n_sites) if density is None else density)
+            fibres = Fibres(cross_bridges, Stimulation(solid.n_sites, activation, calcium), unit)
+        self.begun = Start(solid.rest_motion()) if start is None else begun(start, solid, integrator, dt, fibres)
+        self.motion: Motion = self.begun.motion
+        self.memory: Memory = integrator.initial_memory(solid, self.motion)
+        if cross_bridges is not None:
             self.bus = CouplingBus(
                 cross_bridges,
                 solid.site_volumes,
@@ -109,6 +122,7 @@ class Simulation:
                 activation=activation,
                 kinetics=calcium,
                 density=density,
+                population=self.begun.population,
             )
             if solid.n_unknowns == 0 or integrator.inertia:
                 self.bus.stretch_rate = solid.stretch_rate(self.motion.displacement, self.motion.velocity, 0.0)

@@ -64,6 +64,12 @@ class Stimulation:
             return self.kinetics.initial_state(self.n_sites)
         return self._full if self.signal is None else self._all_sites(self.signal.value(0.0))
 
+    def before(self, time: float) -> Array:
+        """Activation at a `time` just before the start [s]; that of the kinetics is its state at the start."""
+        if self.kinetics is not None or self.signal is None:
+            return self.initial()
+        return self._all_sites(self.signal.value(time))
+
     def mean(self, state: Array, start: float, end: float) -> tuple[Array, Array]:
         """Mean activation from `start` to `end` [s], and the state there."""
         if self.constant:

@@ -81,7 +81,7 @@ class Block(mb.MacroSolid):
     def stretch_rate(self, displacement, velocity, time):
         return velocity[:1]
 
-    def admissible(self, displacement):
+    def admissible(self, displacement, time=0.0):
         return bool(np.all(displacement > -1.0))
 
     def balance(self, motion, law, time, *, rate=True, tangent=False):
