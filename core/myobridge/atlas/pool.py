@@ -69,6 +69,8 @@ def in_workers(cells: Sequence[Cell], count: int, interrupts: Interrupts, patien
     finally:
         for slot in slots:
             slot.stop()
+        for slot in slots:
+            slot.close()
 
 
 @final
@@ -87,6 +89,25 @@ class _Slot:
         """End the worker, whatever it is at."""
         self.stopped = True
         self._kill()
+
+    def close(self) -> None:
+        """Wait for the worker's end, and close what it was told and said."""
+        if self.thread.ident is not None:
+            self.thread.join()
+        self._bury()
+        self.complaints.close()
+
+    def _bury(self) -> int:
+        """Exit code of the worker, once it has ended; nothing of it is left open."""
+        process, self.process = self.process, None
+        if process is None:
+            return 0
+        code = process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with contextlib.suppress(OSError):
+                if pipe is not None:
+                    pipe.close()
+        return code
 
     def _kill(self) -> None:
         process = self.process
@@ -108,15 +129,17 @@ class _Slot:
     def _tried(self, cell: Cell) -> Finding:
         started = perf_counter()
         allowed = cell.case.seconds * (_TRIALS if cell.full and cell.case.bisect else 1) + self.patience
-        if self.process is None or self.process.poll() is not None:
-            self.process = self._started()
-        process = self.process
+        if self.process is not None and self.process.poll() is not None:
+            self._bury()
+        process = self.process = self.process or self._started()
+        if self.stopped:  # while it was being started
+            process.kill()
         self.said = os.fstat(self.complaints.fileno()).st_size
         # The first line says that the cell has begun, the second what was found.
         line = self._within(_STARTS, lambda: _asked(process, cell)) and self._within(allowed, lambda: _read(process))
         if line:
             return Finding(**json.loads(line))
-        code, self.process = process.wait(), None
+        code = self._bury()
         late = perf_counter() - started >= allowed and code == -signal.SIGKILL
         why = f"did not end within {allowed:g} s" if late else f"the process died: {self._last_words(code)}"
         return Finding.of(cell, "fails", why=why, seconds=perf_counter() - started)
