@@ -43,6 +43,7 @@ from myobridge.scene import Scene
 from myobridge.simulation import Simulation
 from myobridge.static_run import StaticRun
 from myobridge.statics import Statics
+from myobridge.study import Study, StudyResult
 
 __all__ = [
     "ActivationKinetics",
@@ -89,6 +90,8 @@ __all__ = [
     "StepFailed",
     "StepReport",
     "StepResult",
+    "Study",
+    "StudyResult",
     "TimeIntegrator",
     "hookimpl",
     "registry",

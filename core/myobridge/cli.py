@@ -1,4 +1,4 @@
-"""Command line: ``myobridge run | explain | show | stability | plugins``."""
+"""Command line: ``myobridge run | explain | show | cost | stability | plugins``."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from myobridge.cli_cost import add_cost
 from myobridge.cli_stability import add_stability
 from myobridge.errors import MyobridgeError, SceneError
 
@@ -67,7 +68,7 @@ def _parser() -> argparse.ArgumentParser:
 
     parser = argparse.ArgumentParser(prog="myobridge", description="Multi-scale muscle simulation.")
     parser.add_argument("--version", action="version", version=f"myobridge {myobridge.__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="run | explain | show | stability | plugins")
+    verbs = parser.add_subparsers(required=True, metavar="run | explain | show | cost | stability | plugins")
 
     run = verbs.add_parser("run", help="run a scene, or continue a result")
     run.add_argument("scene", nargs="?", type=Path, help="scene file (TOML)")
@@ -102,6 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     show.add_argument("--engine", default="auto", metavar="NAME", help="for bodies in space: pyvista or matplotlib")
     show.set_defaults(command=_show)
 
+    add_cost(verbs)
     add_stability(verbs)
 
     plugins = verbs.add_parser("plugins", help="list what is installed")

@@ -15,6 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "api.md"
 TOPICS: Mapping[str, Sequence[str]] = {
     "Scenes and runs": ("Scene", "Plan", "run", "resume", "Run", "StaticRun", "Record", "Result"),
     "Composition in Python": ("Simulation", "Statics", "CouplingBus", "Ledger", "registry"),
+    "Studies": ("Study", "StudyResult"),
     "Interfaces": (
         "CrossBridgeModel",
         "MacroSolid",
@@ -60,6 +61,8 @@ MODULES = (
     "myobridge.pictures",
     "myobridge.bodies",
     "myobridge.solvers",
+    "myobridge.study",
+    "myobridge.work",
     "myobridge.testing",
     "myobridge.testing.strategies",
 )
