@@ -8,6 +8,7 @@ from myobridge.errors import ParameterError, nearest
 from myobridge.fields import FieldSnapshot, snapshot
 from myobridge.interfaces import Array
 from myobridge.look_ahead import memory_of_this_machine
+from myobridge.reported_motion import reported_motion
 from myobridge.simulation import Simulation
 
 __all__ = ["MOST_STATES", "FieldRecorder", "check_fields", "stride"]
@@ -78,10 +79,11 @@ class FieldRecorder:
 
     def _read(self, simulation: Simulation) -> FieldSnapshot:
         assert self.mesh is not None
+        wanted = self.names is None or "pressure" in self.names
         return snapshot(
             simulation.solid,
             self.mesh,
-            simulation.motion,
+            reported_motion(simulation) if wanted else simulation.motion,
             simulation.time,
             sites_of(simulation),
             names=self.names,
