@@ -18,9 +18,23 @@ __all__ = ["cells_of", "chosen"]
 
 
 def cells_of(
-    name: str, case: StabilityCase, *, full: bool = False, variants: Collection[str] | None = None
+    name: str,
+    case: StabilityCase,
+    *,
+    full: bool = False,
+    variants: Collection[str] | None = None,
+    everything: bool = False,
 ) -> list[Cell]:
-    """Cells of a case: every variant with every method; variants of the full atlas where asked for, or named.
+    """Cells of a case: every variant with every method, as far as the quick or the full atlas has them.
+
+    Parameters
+    ----------
+    full : bool
+        Whether the atlas is the full one.
+    variants : collection of str, optional
+        Variants asked for; all without.
+    everything : bool
+        Also methods that the quick atlas leaves out.
 
     Raises
     ------
@@ -38,7 +52,10 @@ def cells_of(
             base = Scene.from_toml(case.scene, settings={**settings, **(case.longer if full else {})})
         except MyobridgeError as error:
             raise PluginError(f"stability case '{name}': {error}") from None
-        found += [Cell(name, case, variant, method, base, full) for method in methods_of(case, base, registry())]
+        cells = [Cell(name, case, variant, method, base, full) for method in methods_of(case, base, registry())]
+        if not (full or everything) and any(fnmatchcase(variant, pattern) for pattern in case.default_only):
+            cells = [cell for cell in cells if cell.expectation.outcome != "any"]
+        found += cells
     return found
 
 
@@ -74,7 +91,7 @@ def chosen(
         if case_patterns and not _maybe(name, case, case_patterns):
             continue
         try:
-            cells += cells_of(name, case, full=full)
+            cells += cells_of(name, case, full=full, everything=bool(method_patterns))
         except PluginError as error:
             if case_patterns:
                 raise

@@ -18,7 +18,7 @@ __all__ = ["main"]
 def answer(request: dict[str, Any]) -> dict[str, Any]:
     """Finding of the cell that a request names, as plain data."""
     case = registry().find("stability_case", request["case"]).cls
-    cells = cells_of(request["case"], case(), full=request["full"], variants=(request["variant"],))
+    cells = cells_of(request["case"], case(), full=request["full"], variants=(request["variant"],), everything=True)
     cell = next(cell for cell in cells if cell.address == request["address"])
     try:
         return found(cell).as_data()

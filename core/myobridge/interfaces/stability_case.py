@@ -95,6 +95,9 @@ class StabilityCase(ABC):
         Settings of the full atlas.
     only_full : sequence of str
         Patterns of variants that the full atlas alone has.
+    default_only : sequence of str
+        Patterns of variants on which the quick atlas tries the default alone, and methods of which something is
+        expected; those that are asked for by name are tried all the same.
     refused_with : str
         Words of the message with which the scene must be refused; empty where it must run.
     bisect : bool
@@ -113,6 +116,7 @@ class StabilityCase(ABC):
     reference: ClassVar[Settings] = {}
     longer: ClassVar[Settings] = {}
     only_full: ClassVar[tuple[str, ...]] = ()
+    default_only: ClassVar[tuple[str, ...]] = ()
     refused_with: ClassVar[str] = ""
     bisect: ClassVar[bool] = True
     seconds: ClassVar[float] = 120.0

@@ -58,6 +58,7 @@ final = 1.0
     vary = ("integrator", "coupling", "cross_bridges")
     methods = FURTHER_INTEGRATORS
     expected: ClassVar = {"half_explicit*": _EXPLICIT, "symplectic_euler": _EXPLICIT, "stoermer_verlet": _EXPLICIT}
+    default_only = ("stiffness*", "rates*", "50 Hz", "kappa*")
     bisect = False
 
 

@@ -68,6 +68,7 @@ class Release50(StabilityCase):
     limits = (Limit("halvings", 2), Limit("constraint_error", 1e-10))
     vary = ("integrator",)
     methods = FURTHER_INTEGRATORS
+    default_only = ("0.004", "0.0005", "0.00025")
     bisect = False
 
 
@@ -87,6 +88,7 @@ class BulkModulus(StabilityCase):
     }
     limits = (Limit("halvings", 2), Limit("energy_growth", 1e-6), Limit("constraint_error", 1e-9))
     vary = ("integrator",)
+    default_only = ("1e4", "1e5", "1e7", "1e8", "1e12")
     bisect = False
 
 
@@ -100,6 +102,7 @@ class FinerMesh(StabilityCase):
     limits = (Limit("halvings", 2), Limit("energy_growth", 1e-6), Limit("constraint_error", 1e-10))
     vary = ("integrator",)
     only_full = ("64x16",)
+    default_only = ("8x2", "16x4")
     bisect = False
 
 
@@ -129,6 +132,7 @@ class LightBody(StabilityCase):
     }
     limits = (Limit("halvings", 2), Limit("energy_growth", 1e-6), Limit("constraint_error", 1e-10))
     vary = ("integrator",)
+    default_only = ("11", "0.0011")
     bisect = False
 
 
