@@ -7,8 +7,8 @@ A method is a `Formula`: what it makes of the change `d` of the displacement ove
 
 The multiplier `p` is one for the whole step; the constraint holds at its end. A formula that is `discrete` has the
 force of the whole step in place of that of a stage (`MacroSolid.step_balance`). Unknowns are :math:`(u_1, p/s)`,
-equations force and :math:`s\,c`, both in N, with the solid's own scale `s` [Pa/m]. Where the constraint's gradient acts
-elsewhere than at the end, the tangent is unsymmetric.
+equations force and :math:`s\,c`, both in N, with the solid's own scale `s` [Pa/m]; where a share of the new multiplier
+acts, the constraint has that share, too. Where its gradient acts elsewhere than at the end, the tangent is unsymmetric.
 """
 
 from __future__ import annotations
@@ -124,6 +124,8 @@ class _Stage(NewtonProblem):
         self.n = start.displacement.size
         self.constrained = start.multiplier.size > 0
         self.scale = solid.multiplier_scale if self.constrained else 1.0
+        # Weight of the constraint: a share of the multiplier in the force has the same share here, for symmetry.
+        self.weight = self.scale * formula.multiplier_share
         self.small = self.n + start.multiplier.size <= _SMALL
         self.known: tuple[Array, Balance] | None = None
 
@@ -180,8 +182,8 @@ class _Stage(NewtonProblem):
         if not self.constrained:
             return force, magnitude
         assert balance.constraint is not None, "a solid with multipliers must have a constraint"
-        both = np.concatenate([force, self.scale * balance.constraint])
-        return both, magnitude + self.scale * balance.constraint_magnitude
+        both = np.concatenate([force, self.weight * balance.constraint])
+        return both, magnitude + self.weight * balance.constraint_magnitude
 
     def tangent(self, unknowns: Array) -> Matrix | LinearSystem:
         if self.known is None or self.known[0] is not unknowns:
@@ -197,16 +199,13 @@ class _Stage(NewtonProblem):
                 return matrix
             return LinearSystem(matrix, rigid_motions=self.solid.rigid_motions(), symmetric=balance.symmetric)
         assert balance.constraint_gradient is not None
-        gradient = self.scale * balance.constraint_gradient
-        acting, softness = gradient, balance.constraint_compliance
-        if balance.acting_gradient is not None or self.formula.multiplier_share != 1.0:
-            where = balance.constraint_gradient if balance.acting_gradient is None else balance.acting_gradient
-            acting = (self.formula.multiplier_share * self.scale) * where
+        gradient, softness = self.weight * balance.constraint_gradient, balance.constraint_compliance
+        acting = gradient if balance.acting_gradient is None else self.weight * balance.acting_gradient
         return LinearSystem(
             matrix,
             acting,
             gradient,
-            None if softness is None else self.scale**2 * softness,
+            None if softness is None else self.scale * self.weight * softness,
             self.solid.rigid_motions(),
             symmetric=balance.symmetric and acting is gradient,
         )
