@@ -1,9 +1,9 @@
 """Incompressible P2-P1 blocks that move and contract: CPU seconds a step with one of Newton's methods.
 
-``python moving_block.py CASE CELLS STEPS INTEGRATOR METHOD [FILE]`` prints one line of JSON. CASE: D0 (free release from
-a static stretch of 24 %, passive), DA7 (contraction from rest, cross-bridges to 1e7 Pa), S0 and S7 (ramps of tension and
-of a force across without inertia, without and with stiff cross-bridges). CELLS such as 14x8x8, METHOD a table of TOML;
-FILE takes the displacement at the end.
+``python moving_block.py CASE CELLS STEPS INTEGRATOR METHOD [FILE]`` prints one line of JSON. CASE: D0 (free release
+from a static stretch of 24 %, passive), DA7 (contraction from rest, cross-bridges to 1e7 Pa), S0 and S7 (ramps of
+tension and of a force across without inertia, without and with stiff cross-bridges). CELLS such as 14x8x8, METHOD a
+table of TOML; FILE takes the displacement at the end.
 """
 
 from __future__ import annotations
