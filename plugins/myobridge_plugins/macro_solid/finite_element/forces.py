@@ -20,6 +20,7 @@ from myobridge_plugins.macro_solid.finite_element.viscosity import add_viscosity
 __all__ = [
     "at_points",
     "balance",
+    "cancelled",
     "elastic_energy",
     "external_stiffness",
     "per_support",
@@ -29,6 +30,15 @@ __all__ = [
     "volume_change",
     "with_constraint",
 ]
+
+
+def cancelled(stiffness: Array) -> float:
+    """Stress [Pa] that cancels in a tension of a given `stiffness` by the stretch, in terms of its round-off.
+
+    A stretch near 1 is known to half an epsilon, a thirty-second of the share of the magnitude that a solver takes for
+    zero. Stiff heads multiply it.
+    """
+    return float(np.abs(stiffness).max(initial=0.0)) / 32.0
 
 
 def balance(
@@ -67,6 +77,8 @@ def balance(
     elif tangent and viscous:
         damping = np.zeros_like(sums.stiffness)
     largest = body.modulus + sums.largest + float(np.abs(pressure).max(initial=0.0))
+    if stiffness is not None:
+        largest += cancelled(stiffness)
     if viscous:
         assert viscosity is not None
         assert moving is not None

@@ -23,7 +23,7 @@ import numpy as np
 
 from myobridge.interfaces import ActiveLaw, Array, Balance, LawValue, Motion, Works
 from myobridge_plugins.macro_solid.finite_element.body import Body
-from myobridge_plugins.macro_solid.finite_element.forces import at_points, volume_change, with_constraint
+from myobridge_plugins.macro_solid.finite_element.forces import at_points, cancelled, volume_change, with_constraint
 from myobridge_plugins.macro_solid.finite_element.step_assembly import StepSums, step_sums
 
 __all__ = ["Step"]
@@ -76,6 +76,8 @@ class Step:
         sums = self._sums(answer, tangent=tangent)
         external = body.loading.external(self.middle, self.half_time)
         largest = body.modulus + sums.magnitude + float(np.abs(self.acting).max(initial=0.0))
+        if answer is not None:
+            largest += cancelled(2.0 * answer.stiffness)  # by the stretch at the end: half of the law's own
         found = Balance(
             (sums.force + body.loading.bedding(self.middle, self.half_time) - external)[free],
             magnitude=largest * body.section + float(np.linalg.norm(external)),
