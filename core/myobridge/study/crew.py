@@ -12,9 +12,10 @@ from typing import Any, final
 from myobridge.errors import MyobridgeError
 from myobridge.study.measurement import Measurement, Task, measured
 
-__all__ = ["Crew", "crew"]
+__all__ = ["PATIENCE", "Crew", "crew"]
 
-_PATIENCE = "10s"
+PATIENCE = "10s"
+"""How long a scheduler is waited for."""
 # A task that kills its worker is tried once more, in case it was not the task's fault.
 _DEATHS = 1
 
@@ -122,7 +123,7 @@ def _answer(future: Any) -> Measurement:
     try:
         return future.result()
     except KilledWorker:
-        return Measurement(failure=f"the worker that ran it died, {_DEATHS + 1} times")
+        return Measurement(failure="the worker that ran it died, each time")
     except CancelledError:
         raise MyobridgeError(
             "the scheduler was lost; finished runs are kept where a folder is given, and the same command goes on"
@@ -137,11 +138,11 @@ def _remote(scheduler: str) -> Iterator[Any]:
 
     with _quiet():  # it tells what it tries in the log; we say it once
         try:
-            client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise MyobridgeError(
-                f"--scheduler {scheduler}: is not reached within {_PATIENCE} ({reason}); nothing was run. Is a "
+                f"--scheduler {scheduler}: is not reached within {PATIENCE} ({reason}); nothing was run. Is a "
                 "dask scheduler there, such as 'dask scheduler --port 8786' starts?"
             ) from None
     with client:
@@ -160,7 +161,7 @@ def _local(workers: int) -> Iterator[Any]:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,  # pyright: ignore[reportArgumentType], none is wanted
+            dashboard_address="127.0.0.1:0",  # any free port; nobody is to look at it
             memory_limit=0,  # how much a run may take is for the machine to say
             silence_logs=logging.CRITICAL,
             env={"NUMBA_NUM_THREADS": "1"},

@@ -61,6 +61,7 @@ def _panel(axes: Any, result: StudyResult, kind: str) -> None:
     axes.set_xlabel("CPU time [s]")
     axes.set_ylabel(KINDS[kind])
     axes.grid(which="major", alpha=0.3)
+    axes.tick_params(axis="x", which="minor", labelsize=6, labelrotation=60)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(fontsize=7)
 

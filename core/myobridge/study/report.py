@@ -22,7 +22,7 @@ from myobridge.study.rows import Row
 
 __all__ = ["report", "write_report"]
 
-_CONFIG = {"responsive": True, "displaylogo": False}
+_CONFIG = {"responsive": True, "displaylogo": False, "displayModeBar": False}
 
 
 def write_report(result: StudyResult, path: Path) -> Path:
