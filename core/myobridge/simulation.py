@@ -27,7 +27,7 @@ from myobridge.interfaces import (
     TimeIntegrator,
 )
 from myobridge.ledger import Ledger
-from myobridge.solvers import kinetic_energy
+from myobridge.solvers import kinetic_energy, strictly_constrained
 from myobridge.starts import Fibres, Start, begun
 from myobridge.step_control import StepControl
 from myobridge.step_error import StepError
@@ -271,6 +271,11 @@ class Simulation:
             raise SceneError(
                 f"integrator: {type(self.integrator).__name__} integrates inertia, and {type(self.solid).__name__} has "
                 "no mass; use quasi_static"
+            )
+        if not self.integrator.constraints and strictly_constrained(self.solid):
+            raise SceneError(
+                f"integrator: {type(self.integrator).__name__} keeps no constraint, and {type(self.solid).__name__} has a "
+                "strict one; use rattle, half_explicit or an implicit integrator, or give it a finite bulk modulus"
             )
         if self.coupling is not None and self.coupling.implicit_only and self.integrator.explicit:
             raise SceneError(

@@ -326,3 +326,18 @@ def test_a_constraint_with_compliance_is_followed_like_a_spring(integrator) -> N
     if isinstance(integrator, Rattle):
         np.testing.assert_allclose(path[-1].multiplier, pressures, rtol=1e-9)
     assert np.abs(pressures).max() > 1e3
+
+
+@pytest.mark.parametrize(
+    "integrator", [StoermerVerlet(), SymplecticEuler()], ids=["stoermer_verlet", "symplectic_euler"]
+)
+def test_methods_that_keep_no_constraint_refuse_a_strict_one_and_take_one_with_compliance(integrator) -> None:
+    with pytest.raises(mb.SceneError, match=r"keeps no constraint, and FiniteElement has a strict one; use rattle"):
+        mb.Simulation(solid=block((4, 2)), integrator=integrator)
+    solid = block((4, 2), bulk_modulus=1e5, velocity_at_start=(0.3, 0.2))
+    simulation = mb.Simulation(solid=solid, integrator=integrator, dt=2e-5)
+    energy_before = simulation.ledger.kinetic
+    simulation.run(4e-3)
+    ledger = simulation.ledger
+    assert ledger.kinetic + ledger.elastic == pytest.approx(energy_before, rel=0.05)
+    assert ledger.elastic > 0.1 * energy_before

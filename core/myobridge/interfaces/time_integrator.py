@@ -76,6 +76,8 @@ class TimeIntegrator(ABC):
         Whether a step needs no solve.
     inertia : bool
         Whether it integrates the inertia; one that does not is for scenes without.
+    constraints : bool
+        Whether it keeps constraints without compliance; those with one act like springs for any method.
     conserves : frozenset of str
         Of "energy" (linear problems to round-off), "bounded_energy", "momentum", "angular_momentum".
     """
@@ -84,6 +86,7 @@ class TimeIntegrator(ABC):
     order: ClassVar[int] = 1
     explicit: ClassVar[bool] = False
     inertia: ClassVar[bool] = True
+    constraints: ClassVar[bool] = True
     conserves: ClassVar[frozenset[str]] = frozenset()
 
     @property

@@ -12,6 +12,7 @@ from myobridge.solvers.explicit import (
     constraint_rate,
     elastic_multiplier,
     point_force,
+    strictly_constrained,
 )
 from myobridge.solvers.fgmres import fgmres
 from myobridge.solvers.frequency import Frequency, largest_frequency
@@ -98,5 +99,6 @@ __all__ = [
     "stability",
     "stage_report",
     "step_report",
+    "strictly_constrained",
     "times",
 ]

@@ -32,6 +32,7 @@ __all__ = [
     "constraint_rate",
     "elastic_multiplier",
     "point_force",
+    "strictly_constrained",
 ]
 
 # Of a step: within it a support's velocity hardly changes, and round-off of the constraint does not count.
@@ -170,6 +171,11 @@ def elastic_multiplier(solid: MacroSolid, displacement: Array, time: float) -> A
     """Multiplier of a constraint with compliance; None without constraint, or where it is strict."""
     inverse = compliance_solver(solid)
     return None if inverse is None else inverse(constraint_at(solid, displacement, time)[0])
+
+
+def strictly_constrained(solid: MacroSolid) -> bool:
+    """Whether a solid has a constraint without compliance."""
+    return _n_constraints(solid) > 0 and compliance_solver(solid) is None
 
 
 def _still(solid: MacroSolid, displacement: Array) -> Motion:

@@ -31,6 +31,7 @@ class StoermerVerlet(TimeIntegrator):
     summary: ClassVar[str] = "Störmer-Verlet; explicit, symplectic, order 2"
     order: ClassVar[int] = 2
     explicit: ClassVar[bool] = True
+    constraints: ClassVar[bool] = False
     conserves: ClassVar[frozenset[str]] = frozenset({"bounded_energy", "momentum", "angular_momentum"})
 
     @property

@@ -25,6 +25,7 @@ class SymplecticEuler(TimeIntegrator):
     summary: ClassVar[str] = "symplectic Euler (thesis, Method 4.14); explicit, order 1, bounded energy error"
     order: ClassVar[int] = 1
     explicit: ClassVar[bool] = True
+    constraints: ClassVar[bool] = False
     conserves: ClassVar[frozenset[str]] = frozenset({"bounded_energy", "momentum", "angular_momentum"})
 
     @property
