@@ -274,8 +274,8 @@ class Simulation:
             )
         if not self.integrator.constraints and strictly_constrained(self.solid):
             raise SceneError(
-                f"integrator: {type(self.integrator).__name__} keeps no constraint, and {type(self.solid).__name__} has a "
-                "strict one; use rattle, half_explicit or an implicit integrator, or give it a finite bulk modulus"
+                f"integrator: {type(self.integrator).__name__} keeps no constraint, and {type(self.solid).__name__} "
+                "has a strict one; use rattle, half_explicit or an implicit integrator, or a finite bulk modulus"
             )
         if self.coupling is not None and self.coupling.implicit_only and self.integrator.explicit:
             raise SceneError(
