@@ -16,6 +16,7 @@ TOPICS: Mapping[str, Sequence[str]] = {
     "Scenes and runs": ("Scene", "Plan", "run", "resume", "Run", "StaticRun", "Record", "Result"),
     "Composition in Python": ("Simulation", "Statics", "CouplingBus", "Ledger", "registry"),
     "Studies": ("Study", "StudyResult"),
+    "Stability": ("Atlas", "Chart", "StabilityCase", "Limit", "Expectation"),
     "Interfaces": (
         "CrossBridgeModel",
         "MacroSolid",
@@ -61,6 +62,7 @@ MODULES = (
     "myobridge.pictures",
     "myobridge.bodies",
     "myobridge.solvers",
+    "myobridge.atlas",
     "myobridge.study",
     "myobridge.work",
     "myobridge.testing",

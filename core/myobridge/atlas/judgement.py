@@ -61,7 +61,7 @@ def _refused(cell: Cell, message: str, seconds: float) -> Finding:
     wanted = cell.case.refused_with
     if wanted:
         good = wanted in message
-        why = "" if good else f"refused, but without the words '{wanted}': {message}"
+        why = f"refused: {message}" if good else f"refused, but without the words '{wanted}': {message}"
         return Finding.of(cell, "holds" if good else "fails", why=why, seconds=seconds)
     # A method that does not go with the scene says so; the default must go with it.
     outcome = "fails" if cell.method.name == DEFAULT else "not applicable"
