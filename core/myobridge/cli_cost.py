@@ -47,7 +47,8 @@ def _cost(options: argparse.Namespace) -> int:
     if options.effects:
         return _effects(options, output, console, how)
     study = _study(options)
-    result = followed(study, output, console=None if options.quiet else console, **how)
+    shown = None if options.quiet else console
+    result = followed(study.title, lambda watch: study.run(output, watch=watch, **how), shown)
     files = result.save(output)
     if not options.quiet:
         console.print(study_table(result, console.width))
@@ -75,7 +76,7 @@ def _study(options: argparse.Namespace) -> Any:
     }
     if _is_study(options.file):
         return attrs.evolve(Study.load(options.file), **changes)
-    return ladder(Scene.load(options.file), **({"tolerance": _TOLERANCE} | changes))
+    return ladder(Scene.load(options.file), changes.pop("tolerance", _TOLERANCE), **changes)
 
 
 def _is_study(path: Path) -> bool:
@@ -89,13 +90,16 @@ def _is_study(path: Path) -> bool:
 
 def _effects(options: argparse.Namespace, output: Path, console: Any, how: dict[str, Any]) -> int:
     from myobridge.scene import Scene
-    from myobridge.study.effects import EffectPrices
+    from myobridge.study.effects import price_effects
     from myobridge.study.following import followed
-    from myobridge.study.tables import effects_price_table
+    from myobridge.study.tables import effects_price_table, not_priced_text
 
     if _is_study(options.file):
         raise SceneError(f"{options.file}: is a study; --effects asks for a scene")
-    prices = EffectPrices(Scene.load(options.file), repeats=options.repeats or 3)
-    result = followed(prices.study, output, console=None if options.quiet else console, **how)
-    console.print(effects_price_table(prices.listed(result)))
+    scene, how = Scene.load(options.file), {**how, "repeats": options.repeats or 3}
+    shown = None if options.quiet else console
+    result = followed(scene.name, lambda watch: price_effects(scene, output, watch=watch, **how), shown)
+    console.print(effects_price_table(result))
+    if not options.quiet:
+        console.print(not_priced_text(result), style="dim", markup=False, highlight=False)
     return 0

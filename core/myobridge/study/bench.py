@@ -34,6 +34,8 @@ class Bench:
         Times at which steps end [s].
     watch : callable, optional
         Told after every run.
+    optional : bool
+        Whether quantities that a scene has not are left out.
 
     Attributes
     ----------
@@ -44,8 +46,16 @@ class Bench:
     """
 
     def __init__(
-        self, store: Store, crew: Crew, quantities: Sequence[Quantity], stops: Sequence[float], watch: Watch | None
+        self,
+        store: Store,
+        crew: Crew,
+        quantities: Sequence[Quantity],
+        stops: Sequence[float],
+        watch: Watch | None,
+        *,
+        optional: bool = False,
     ) -> None:
+        self._optional = optional
         self.store, self.crew, self._quantities, self._stops, self._watch = store, crew, quantities, stops, watch
         self.computed = self.found = 0
         self.cpu = 0.0
@@ -82,7 +92,7 @@ class Bench:
 
     def _task(self, scene: Scene, limit: float) -> Task:
         folder = "" if scene.folder is None else str(scene.folder.resolve())
-        return Task(scene.to_toml(), folder, tuple(self._quantities), tuple(self._stops), limit)
+        return Task(scene.to_toml(), folder, tuple(self._quantities), tuple(self._stops), limit, self._optional)
 
     def _tell(self, measurement: Measurement, cost: float, label: str) -> None:
         self.computed += 1

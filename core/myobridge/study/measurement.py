@@ -18,7 +18,7 @@ from myobridge.parameters import declared
 from myobridge.plan import Plan
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
-from myobridge.study.quantities import Quantity, reader
+from myobridge.study.quantities import Quantity, available, reader
 from myobridge.work import counted
 
 __all__ = ["Course", "Measurement", "Task", "measured"]
@@ -51,6 +51,8 @@ class Task:
         Times at which steps end too [s].
     limit : float
         CPU seconds after which the run is given up: it cannot win any more.
+    optional : bool
+        Whether quantities that the scene has not are left out, instead of an error.
     """
 
     scene: str
@@ -58,6 +60,7 @@ class Task:
     quantities: Sequence[Quantity]
     stops: Sequence[float] = ()
     limit: float = float("inf")
+    optional: bool = False
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -116,7 +119,11 @@ def _run(task: Task) -> Measurement:
 
 
 def _stepped(simulation: Simulation, end: float, task: Task, setup: float) -> Measurement:
-    readers = {quantity.name: reader(quantity, simulation) for quantity in task.quantities}
+    known = available(simulation) if task.optional else {}
+    wanted = [
+        quantity for quantity in task.quantities if not task.optional or quantity.function or quantity.name in known
+    ]
+    readers = {quantity.name: reader(quantity, simulation) for quantity in wanted}
     simulation.stop_at(list(task.stops))
     times, rows = [simulation.time], {name: [read(simulation)] for name, read in readers.items()}
     cpu = wall = 0.0

@@ -86,7 +86,7 @@ def key_of(task: Task, number: int) -> str:
         task.scene,
         dict(_files(task)),
         [[quantity.name, _source(quantity.function)] for quantity in task.quantities],
-        list(task.stops),
+        [list(task.stops), task.optional],
         number,
         sources_digest(),
         _versions(),

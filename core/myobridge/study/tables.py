@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from os import PathLike
-from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
+from myobridge.study.effects import EffectPrices
 from myobridge.study.result import StudyResult
 from myobridge.study.rows import Row
 
@@ -18,6 +17,7 @@ __all__ = [
     "COLUMNS",
     "effects_price_table",
     "left_out_text",
+    "not_priced_text",
     "recommendation_text",
     "reference_text",
     "study_table",
@@ -129,22 +129,42 @@ def recommendation_text(result: StudyResult, file: str | PathLike[str]) -> str:
     return f"nothing is recommended for {tolerance:g}: the least error of any variant is {least:.1e}"
 
 
-def effects_price_table(prices: Sequence[Any]) -> Table:
-    """One line an effect: what it costs and what it changes."""
-    table = Table(title="price list of effects", title_justify="left")
-    for name in ("effect", "in the scene"):
-        table.add_column(name)
-    for name in ("costs", "share", "changes"):
+def effects_price_table(priced: EffectPrices) -> Table:
+    """One line an effect: what it costs, and what it changes."""
+    table = Table(
+        title=escape(f"price list of '{priced.scene.name}', {priced.cpu:.3g} s CPU as it stands"),
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        padding=(0, 1),
+    )
+    for name in ("effect", "state"):
+        table.add_column(name, no_wrap=True)
+    for name in ("costs [s]", "share", "changes"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("by / why not")
-    for price in prices:
+    for price in priced.prices:
+        known = math.isfinite(price.seconds)
+        if not known and price.state == "off":
+            continue
         table.add_row(
             price.effect,
             price.state,
-            "" if not math.isfinite(price.seconds) else f"{price.seconds:+.3g} s",
-            "" if not math.isfinite(price.share) else f"{100 * price.share:+.0f} %",
-            "" if not math.isfinite(price.change) else f"{price.change:.1e}",
+            f"{price.seconds:+.3g}" if known else "",
+            f"{100 * price.share:+.0f} %" if known else "",
+            _change(price.change) if known else "",
             escape(price.said),
-            style="dim" if not math.isfinite(price.change) else "",
+            style="" if known else "dim",
         )
     return table
+
+
+def not_priced_text(priced: EffectPrices) -> str:
+    """Effects that the scene does without and that its plugins do not supply, in a line each."""
+    left = [price for price in priced.prices if price.state == "off" and not math.isfinite(price.seconds)]
+    return "\n".join(f"{price.effect}: {price.said}" for price in left)
+
+
+def _change(change: float) -> str:
+    if change == 0.0:
+        return "none"
+    return f"{100 * change:.2g} %" if change < 0.1 else f"{100 * change:.0f} %"
