@@ -172,6 +172,10 @@ class LinearSolver(ABC):
             If it has no inverse.
         """
 
+    def rough(self) -> LinearSolver:
+        """The same solver for factors that need not be exact, as those of a kept tangent: in single precision, say."""
+        return self
+
     def seconds(self, size: SystemSize) -> float | None:
         """Roughly, CPU seconds of one system of this size; None where the solver is not for it.
 

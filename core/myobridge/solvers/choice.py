@@ -104,15 +104,26 @@ def installed(*, telling_inertia: bool = False) -> dict[str, LinearSolver]:
 @final
 @attrs.frozen
 class Automatic(LinearSolver):
-    """The solver that suits each system."""
+    """The solver that suits each system.
+
+    Parameters
+    ----------
+    roughly : bool
+        Factors that need not be exact (`LinearSolver.rough`).
+    """
 
     summary: ClassVar[str] = "the solver that suits the size of the system and the packages that are installed"
+
+    roughly: bool = False
+
+    def rough(self) -> LinearSolver:
+        return Automatic(roughly=True)
 
     def factorise(self, system: LinearSystem) -> Factorisation:
         _, reason, solver = choice_for(system)
         if solver is None:
             return DenseFactorisation(_dense(system.matrix()), symmetric=system.symmetric)
-        return _Chosen(solver.factorise(system), reason)
+        return _Chosen((solver.rough() if self.roughly else solver).factorise(system), reason)
 
 
 @final

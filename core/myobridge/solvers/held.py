@@ -15,7 +15,7 @@ from typing import final
 import numpy as np
 
 from myobridge.interfaces import Factorisation, KeptTangent, LinearSolver, LinearSystem, Matrix
-from myobridge.solvers.choice import factorise
+from myobridge.solvers.choice import Automatic, factorise
 from myobridge.solvers.linear import norm_of
 
 __all__ = ["HeldTangent"]
@@ -33,7 +33,7 @@ class HeldTangent:
     kept : KeptTangent, optional
         From an earlier solve. Where its factors are gone, as after a checkpoint, the same ones are made again.
     linear : LinearSolver, optional
-        Chosen by size unless given.
+        Chosen by size unless given, and then rough: factors in single precision where they hold.
 
     Attributes
     ----------
@@ -42,14 +42,14 @@ class HeldTangent:
     """
 
     def __init__(self, kept: KeptTangent | None, linear: LinearSolver | None) -> None:
-        self._linear = linear
+        self._linear = linear or Automatic().rough()
         self._kept = kept
         self._spent = 0
         self.fresh = False
         # Applications for each digit of a linear system, of the last one and of the best one.
         self._rate, self._least = 0.0, np.inf if kept is None else float(kept.work[2])
         if kept is not None and kept.factorisation is None:
-            self._kept = KeptTangent(kept.system, factorise(kept.system, linear), kept.work, kept.arrays)
+            self._kept = KeptTangent(kept.system, factorise(kept.system, self._linear), kept.work, kept.arrays)
 
     @property
     def empty(self) -> bool:

@@ -67,8 +67,8 @@ class DirectFactorisation(Factorisation):
     """Factors of a sparse matrix, as the function that applies its inverse.
 
     Factors in single precision contract the residual by about ``1e-7`` times the condition in each refinement. Where
-    that is not below 0.1 they are no use and singular to this class; where a solve still does not arrive, factors in
-    double precision take their place.
+    that is not below 0.1 they are no use and singular to this class; a right side for which they do not arrive gets
+    factors in double precision.
 
     Parameters
     ----------
@@ -103,6 +103,7 @@ class DirectFactorisation(Factorisation):
     ) -> None:
         self._matrix, self._inverse, self._text, self._known = matrix, inverse, text, known
         self._worth, self._double = worth, double
+        self._exact: DirectFactorisation | None = None
         self._norm = float(abs(matrix).sum(axis=0).max())
         probe = np.random.default_rng(0).standard_normal(matrix.shape[0])
         for _ in range(2):
@@ -137,9 +138,9 @@ class DirectFactorisation(Factorisation):
         if missed <= max(tolerance * size, min(round_off, _WORST * size)):
             return best
         if self._double is not None:
-            self._inverse, self._double = self._double(), None
-            self._text += " (then in double precision)"
-            return self.solve(vector, tolerance)
+            # For this right side only: what the next one gets does not depend on those before it.
+            self._exact = self._exact or DirectFactorisation(self._matrix, self._double(), self._text)
+            return self._exact.solve(vector, tolerance)
         raise UnsolvedSystem(
             f"{self._text} left {missed / size:.1e} of the right side, allowed is {tolerance:.1e} or round-off "
             f"({round_off / size:.1e}): the matrix is close to singular"

@@ -64,6 +64,9 @@ class Pardiso(LinearSolver):
             return "the package pypardiso is absent: pip install 'myobridge[pardiso]' (x86 only, MKL is proprietary)"
         return ""
 
+    def rough(self) -> LinearSolver:
+        return attrs.evolve(self, precision="single")
+
     def seconds(self, size: SystemSize) -> float | None:
         return multifrontal_seconds(size)
 

@@ -51,6 +51,9 @@ class SuperLU(LinearSolver):
     precision: str = choice("double", PRECISIONS, doc="precision of the factors")
     pivot: float = number(0.01, within="[0, 1]", doc="smallest diagonal pivot, as a share of the largest of its column")
 
+    def rough(self) -> LinearSolver:
+        return attrs.evolve(self, precision="single")
+
     def seconds(self, size: SystemSize) -> float:
         # Rough powers, fitted so that this wins over amg_gmres up to 8 000 unknowns in space, 250 000 in the plane.
         return 0.75 * (size.n_unknowns / 8e3) ** 2 if size.dimension == 3 else 1.4 * (size.n_unknowns / 58e3) ** 1.5
