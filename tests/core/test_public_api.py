@@ -58,7 +58,7 @@ def test_composition_without_any_file_is_the_same_simulation(name: str, scenes) 
         simulation = mb.Simulation(
             solid=build("macro_solid", "spring", mass=0.1, stiffness=500.0, velocity=0.05),  # pyright: ignore
             cross_bridges=build("cross_bridge", "liouville"),  # pyright: ignore
-            integrator=build("time_integrator", "midpoint"),  # pyright: ignore
+            integrator=build("time_integrator", "energy_momentum"),  # pyright: ignore
             coupling=build("coupling", "splitting"),  # pyright: ignore
             dt=1e-3,
         )

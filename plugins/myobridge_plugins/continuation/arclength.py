@@ -15,19 +15,17 @@ from myobridge.interfaces import (
     ContinuationPath,
     ContinuationProblem,
     ContinuationStrategy,
-    LinearSystem,
     NewtonMethod,
     PathPoint,
 )
 from myobridge.parameters import integer, number, part
-from myobridge.solvers import SingularMatrix, UnsolvedSystem, bordered, solve
+from myobridge.solvers import SingularMatrix, UnsolvedSystem
 from myobridge_plugins.continuation.equilibrium import accepted, default_method, length, slope
-from myobridge_plugins.continuation.in_plane import InPlane
-from myobridge_plugins.continuation.last_tangent import SMALL, LastTangent
+from myobridge_plugins.continuation.in_plane import InPlane, direction_at, load_of
+from myobridge_plugins.continuation.last_tangent import LastTangent
 from myobridge_plugins.continuation.stops import Watch, begin_path, keep, next_stop
 
 __all__ = ["Arclength"]
-
 
 # Newton iterations of a step unless a method is given.
 _ITERATIONS = 12
@@ -88,8 +86,7 @@ class Arclength(ContinuationStrategy):
     max_points : int
         Most points of a path, and Newton iterations of a step.
     newton : NewtonMethod, optional
-        Method, tolerance, iterations, linear solver; unless given one that suits the size, to 1e-10 in at most 12
-        iterations.
+        Unless given one that suits the size, to 1e-10 in at most 12 iterations.
 
     References
     ----------
@@ -214,7 +211,7 @@ class Arclength(ContinuationStrategy):
         if metric.product(change, change) > (2.0 * step) ** 2:
             return trial._replace(complaint="the solution found is too far away, on another branch")
         try:
-            ahead = metric.unit(_direction(problem, trial.point, metric.factors * direction, last))
+            ahead = metric.unit(direction_at(problem, trial.point, metric.factors * direction, last))
         except (SingularMatrix, UnsolvedSystem):
             return trial._replace(complaint="the bordered matrix is singular: branches meet here")
         turn = math.degrees(math.acos(min(max(metric.product(direction, ahead), -1.0), 1.0)))
@@ -226,7 +223,7 @@ class Arclength(ContinuationStrategy):
         """Point of the path in the plane through `guess` with normal `row`."""
         if not problem.admissible(guess[:-1]):
             return Trial(guess, row, 0.0, 0, "the step leads to a state that is not admissible")
-        row = row * _load(problem, guess)
+        row = row * load_of(problem, guess)
         with np.errstate(all="ignore"):  # far off, a trial may overflow; Newton sees it and backtracks
             method = self.newton or default_method(guess.size, _ITERATIONS)
             found = method.solve(InPlane(problem, guess, row), guess, last.kept)
@@ -262,30 +259,6 @@ def _stopped(points: list[PathPoint]) -> str:
         f"arclength continuation stopped at level {last.level:.6g} after {len(points)} points, with "
         f"{last.negative_eigenvalues} negative eigenvalues"
     )
-
-
-def _load(problem: ContinuationProblem, point: Array) -> float:
-    """Norm of the full load, 1 where that is 0.
-
-    It brings the condition on the step to the unit of the residual, and its row to the size of the matrix, so that the
-    dense row is not made a pivot before its turn.
-    """
-    return float(np.linalg.norm(problem.level_derivative(point[:-1], float(point[-1])))) or 1.0
-
-
-def _direction(problem: ContinuationProblem, point: Array, row: Array, last: LastTangent) -> Array:
-    """Direction of the path at a point, on the positive side of `row`."""
-    unknowns, level = point[:-1], float(point[-1])
-    load = _load(problem, point)
-    column = problem.level_derivative(unknowns, level)
-    tangent = bordered(problem.tangent(unknowns, level), column, load * row[:-1], load * float(row[-1]))
-    right = np.zeros(point.size)
-    right[-1] = load
-    large = point.size > SMALL and isinstance(tangent, LinearSystem)
-    found = last.solve(tangent, right) if large else solve(tangent, right)
-    if not np.all(np.isfinite(found)):
-        raise SingularMatrix
-    return found
 
 
 def _at_level(stop: float, here: Array, change: Array) -> tuple[Array, Array]:
