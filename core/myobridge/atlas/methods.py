@@ -59,10 +59,14 @@ def methods_of(case: StabilityCase, scene: Scene, plugins: Registry) -> list[Met
             found += [Method(axis, name, {f"{axis}.plugin": name}) for name in others]
         else:
             found += [Method(axis, value, {axis: value}) for value in _choices(plan, axis)]
-    for name, settings in case.methods.items():
-        axis = next((axis for axis in case.vary for key in settings if key.split(".")[0] == axis.split(".")[0]), "")
-        found.append(Method(axis or next(iter(settings)), name, settings))
+    found += [Method(_axis(case, settings), name, settings) for name, settings in case.methods.items()]
     return found
+
+
+def _axis(case: StabilityCase, settings: Mapping[str, Any]) -> str:
+    """What settings exchange: a varied section or key, else the section of the first of them."""
+    sections = [key.split(".")[0] for key in settings]
+    return next((axis for axis in case.vary for section in sections if axis.split(".")[0] == section), sections[0])
 
 
 def _fitting(axis: str, scene: Scene, plugins: Registry) -> Iterator[str]:

@@ -31,8 +31,9 @@ def _lines(chart: Chart, picture: str) -> Iterator[str]:
     yield "[The guide](guide.md#how-stable-is-a-method) says how to run it, [the page for authors](plugins.md) how a"
     yield "method or a case joins."
     yield ""
-    yield f"{len(chart.findings)} cells: {counts['holds']} hold, {counts['fails']} fail, "
-    yield f"{counts['not applicable']} do not apply; {counts['surprises']} differ from what is expected."
+    said = f"{len(chart.findings)} cells: {counts['holds']} hold, {counts['fails']} fail, "
+    said += f"{counts['not applicable']} do not apply; {counts['surprises']} differ from what is expected."
+    yield said
     yield ""
     yield "`default` is the scene without a word about the method: `energy_momentum` with `splitting` where there is"
     yield "inertia, `quasi_static` with `corrected` where there is none, and the strategy of the scene without time."

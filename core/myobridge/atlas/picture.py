@@ -55,9 +55,13 @@ def draw_chart(chart: Chart, path: str | os.PathLike[str]) -> Path:
     axes.set_yticks(np.arange(-0.5, len(rows)), minor=True)
     axes.grid(which="minor", color="white", linewidth=0.8)
     axes.tick_params(which="both", length=0)
-    for j in range(1, len(columns)):
-        if columns[j][0] != columns[j - 1][0]:
+    for i, j in np.argwhere(values == 4):
+        axes.text(j, i, "!", color="white", weight="bold", ha="center", va="center", fontsize=8)
+    for j, (axis, _) in enumerate(columns):
+        if j == 0 or axis != columns[j - 1][0]:
             axes.axvline(j - 0.5, color="black", linewidth=0.8)
+            if j:
+                axes.text(j - 0.4, -0.8, axis.replace("_", " "), fontsize=7, style="italic")
     for place in ("top", "right", "bottom", "left"):
         axes.spines[place].set_visible(False)
     handles = [Patch(facecolor=colour, edgecolor="#999999") for colour in _COLOURS]

@@ -47,6 +47,7 @@ class ReleaseStiffVolume(StabilityCase):
     expected: ClassVar = {
         "energy_momentum averaged": Expectation("fails", "the mean of a stiff pressure rings"),
         "backward_euler": Expectation("fails", "order 1, loses energy"),
+        "generalised_alpha 0.8": Expectation("fails", "too little damping for a constraint"),
         "half_explicit*": Expectation("fails", "explicit, and far beyond its limit"),
     }
 
