@@ -55,14 +55,17 @@ class Hill(ActiveLaw):
 
 
 def make(distorted, shape, **changed):
-    """A body with everything at once: dead and following loads, bedding, a support that moves, oblique fibres."""
+    """A body with everything at once: dead and following loads, bedding, supports of which one moves, fibres."""
     flat = shape in ("triangle", "quadrilateral")
     d = 2 if flat else 3
     given = {
         "mesh": distorted(shape),
         "material": MooneyRivlin(),
         "fibres": Constant(direction=(1.0, 0.5, -0.3)[:d]),
-        "support": (Support(boundary="left", displacement=2e-3, scale=Sine(amplitude=1.0, frequency=30.0)),),
+        "support": (
+            Support(boundary="left", components="x", displacement=2e-3, scale=Sine(amplitude=1.0, frequency=30.0)),
+            Support(boundary="bottom", components="y"),
+        ),
         "load": (
             Traction(boundary="right", traction=(3e3, 2e3, -1e3)[:d], scale=Sine(amplitude=1.0, frequency=20.0)),
             HangingMass(boundary="right", mass=0.02),
