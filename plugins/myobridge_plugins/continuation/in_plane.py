@@ -7,10 +7,11 @@ from typing import final
 import numpy as np
 
 from myobridge.interfaces import Array, ContinuationProblem, LinearSystem, Matrix, NewtonProblem
-from myobridge.solvers import bordered
+from myobridge.solvers import SingularMatrix, bordered, solve
 from myobridge_plugins.continuation.equilibrium import AtLevel
+from myobridge_plugins.continuation.last_tangent import SMALL, LastTangent
 
-__all__ = ["InPlane"]
+__all__ = ["InPlane", "direction_at", "load_of"]
 
 
 @final
@@ -31,3 +32,27 @@ class InPlane(NewtonProblem):
 
     def admissible(self, unknowns: Array) -> bool:
         return self._problem.admissible(unknowns[:-1])
+
+
+def load_of(problem: ContinuationProblem, point: Array) -> float:
+    """Norm of the full load, 1 where that is 0.
+
+    It brings the condition on the step to the unit of the residual, and its row to the size of the matrix, so that the
+    dense row is not made a pivot before its turn.
+    """
+    return float(np.linalg.norm(problem.level_derivative(point[:-1], float(point[-1])))) or 1.0
+
+
+def direction_at(problem: ContinuationProblem, point: Array, row: Array, last: LastTangent) -> Array:
+    """Direction of the path at a point, on the positive side of `row`."""
+    unknowns, level = point[:-1], float(point[-1])
+    load = load_of(problem, point)
+    column = problem.level_derivative(unknowns, level)
+    tangent = bordered(problem.tangent(unknowns, level), column, load * row[:-1], load * float(row[-1]))
+    right = np.zeros(point.size)
+    right[-1] = load
+    large = point.size > SMALL and isinstance(tangent, LinearSystem)
+    found = last.solve(tangent, right) if large else solve(tangent, right)
+    if not np.all(np.isfinite(found)):
+        raise SingularMatrix
+    return found
