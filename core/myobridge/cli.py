@@ -188,6 +188,7 @@ def _explain(options: argparse.Namespace) -> int:
 
     from myobridge.plan import Plan
     from myobridge.scene import Scene
+    from myobridge.study.prediction import predicted
     from myobridge.tables import effects_table, settings_table, sizes_table
 
     plan = Plan.of(Scene.load(options.scene, _settings(options.settings)))
@@ -195,7 +196,7 @@ def _explain(options: argparse.Namespace) -> int:
     console = Console()
     console.print(settings_table(plan))
     console.print(effects_table(plan))
-    console.print(sizes_table(plan))
+    console.print(sizes_table(plan, predicted(plan)))
     return 0
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import perf_counter
+from time import perf_counter, process_time
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -12,6 +12,7 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.simulation import Simulation
+from myobridge.study.prediction import learn, predicted
 from myobridge.tables import (
     effects_table,
     ledger_table,
@@ -44,7 +45,8 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
         console.print(f"start: {said}", markup=False, highlight=False)
     if run.simulation.finished(end):
         console.print(f"t = {run.simulation.time:.6g} s is the end already; --set scene.duration=... goes on")
-    first, started = run.simulation.steps, perf_counter()
+    expected = predicted(plan, measure=False)
+    first, started, processor = run.simulation.steps, perf_counter(), process_time()
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -68,7 +70,9 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
         wall = perf_counter() - started
         simulation = run.simulation
         console.print(ledger_table(run))
-        console.print(shares_table(run, wall, simulation.steps - first))
+        console.print(shares_table(run, wall, simulation.steps - first, expected))
+        if not first:
+            learn(plan, run, wall, process_time() - processor)
         console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {wall:.2f} s")
     if run.output is not None:
         console.print(written(run.output, result), markup=False, highlight=False, soft_wrap=True)

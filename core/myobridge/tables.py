@@ -21,6 +21,7 @@ from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.scaling import Scaling
 from myobridge.static_recording import STATIC_QUANTITIES
+from myobridge.study.prediction import Prediction
 
 __all__ = [
     "effects_table",
@@ -116,8 +117,8 @@ def newton_choice(plan: Plan) -> str:
     return f"{chosen.name} ({chosen.reason})"
 
 
-def sizes_table(plan: Plan) -> Table:
-    """How large a simulation is: unknowns, sites, memory, steps."""
+def sizes_table(plan: Plan, prediction: Prediction | None = None) -> Table:
+    """How large a simulation is: unknowns, sites, memory, steps; and what it is expected to take."""
     table = Table(title="sizes", title_justify="left")
     for column in ("what", "how much"):
         table.add_column(column)
@@ -126,6 +127,8 @@ def sizes_table(plan: Plan) -> Table:
     if solid.memory():
         table.add_row("tables of the solid", f"{_bytes(solid.memory())}, the data of its tangent included")
     table.add_row("linear solver", solver_choice(plan) or "none: nothing to solve")
+    if prediction is not None:
+        table.add_row("expected", prediction.words())
     table.add_row("Newton's method", newton_choice(plan) or "none: nothing to solve")
     if model is None:
         table.add_row("population", "none: no cross-bridges called for")
@@ -187,8 +190,8 @@ def ledger_table(run: Run) -> Table:
     return table
 
 
-def shares_table(run: Run, wall: float, steps: int) -> Table:
-    """Share of the computing time `wall` [s] of each phase, over `steps` steps."""
+def shares_table(run: Run, wall: float, steps: int, prediction: Prediction | None = None) -> Table:
+    """Share of the computing time `wall` [s] of each phase, over `steps` steps, and what was expected beforehand."""
     simulation = run.simulation
     seconds: dict[str, float] = dict(simulation.seconds) | {"recording": run.recording_seconds}
     rest = max(wall - sum(seconds.values()), 0.0)
@@ -201,6 +204,8 @@ def shares_table(run: Run, wall: float, steps: int) -> Table:
         table.add_row(name.replace("_", " "), f"{value:.3f}", f"{100.0 * share:.1f} %")
     iterations = simulation.iterations / max(simulation.steps, 1)
     table.add_row("a step", f"{wall / max(steps, 1):.2e}", f"{iterations:.2f} iterations")
+    if prediction is not None:
+        table.add_row("expected a step", f"{prediction.a_step:.2e}", f"{prediction.a_step * steps:.2g} s in all")
     return table
 
 

@@ -21,7 +21,7 @@ from myobridge.simulation import Simulation
 from myobridge.study.quantities import Quantity, available, reader
 from myobridge.work import counted
 
-__all__ = ["Course", "Measurement", "Task", "measured"]
+__all__ = ["Course", "Measurement", "Task", "kind_of", "measured"]
 
 _WARM_STEPS = 2
 # What has been run in this process already: its kernels are loaded.
@@ -153,7 +153,7 @@ def _table(name: str, rows: list[Any]) -> Array:
 
 def _warm(plan: Plan, end: float) -> None:
     """Take a few steps of the same kind first, so that compiling and loading kernels is not on the clock."""
-    kind = _kind(plan.parts)
+    kind = kind_of(plan.parts)
     if kind in _WARM:
         return
     _WARM.add(kind)
@@ -166,13 +166,13 @@ def _warm(plan: Plan, end: float) -> None:
         return
 
 
-def _kind(part: Any) -> str:
+def kind_of(part: Any) -> str:
     """Which code runs: classes of all parts and the words that they were given, not the numbers."""
     if isinstance(part, Mapping):
-        return ";".join(f"{key}={_kind(value)}" for key, value in part.items())
+        return ";".join(f"{key}={kind_of(value)}" for key, value in part.items())
     if isinstance(part, list | tuple):
-        return ",".join(map(_kind, part[:8]))
+        return ",".join(map(kind_of, part[:8]))
     said = declared(type(part))
     if said:
-        return f"{type(part).__qualname__}({';'.join(_kind(getattr(part, name)) for name in said)})"
+        return f"{type(part).__qualname__}({';'.join(kind_of(getattr(part, name)) for name in said)})"
     return part if isinstance(part, str) else type(part).__name__
