@@ -62,7 +62,7 @@ FINE = {"integrator.newton.tolerance": 1e-10, "cross_bridges.bins": 64}
 # Numbers of steps that the default tries.
 STEPS = (4, 5, 6, 8, 10, 12, 14, 16, 20, 25, 32, 40, 50, 64, 80, 100, 128, 160, 200)
 # Energy that comes from nowhere, relative to the largest of the reference: beyond it a run is lost.
-LOST = 1e-3
+LOST = 1e-4
 
 
 class Ran(NamedTuple):
@@ -140,7 +140,7 @@ def thesis_run(scene: mb.Scene, bins: int, limit: float, energy: float) -> tuple
     settings = THESIS | {"cross_bridges.bins": bins}
     run(scene.with_settings({"scene.duration": 1e-5}), settings | {"scene.step": 1e-6})  # compiles
     lost = float("inf")
-    for share in (1.2, 1.1, 1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5):
+    for share in (1.1, 1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5):
         dt = share * limit
         # Steps of one length: the last one ends within half a step of the duration.
         steps = round(scene.duration / dt)
