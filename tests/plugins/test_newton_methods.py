@@ -84,6 +84,20 @@ def test_they_stay_where_the_problem_is_admissible(name: str, solution: float, s
 
 
 @pytest.mark.parametrize("name", METHODS)
+def test_a_start_without_a_residual_is_said(name: str) -> None:
+    class Nothing(NewtonProblem):
+        def residual(self, unknowns: Array) -> tuple[Array, float]:
+            return np.full(2, np.nan), 1.0
+
+        def tangent(self, unknowns: Array) -> Matrix:
+            return np.eye(2)
+
+    found = METHODS[name]().solve(Nothing(), np.zeros(2))
+    assert not found.converged
+    assert found.reason == "the residual is not finite"
+
+
+@pytest.mark.parametrize("name", METHODS)
 def test_all_methods_serve_an_integrator_in_a_scene(name: str, scenes_of_newton: str) -> None:
     scene = mb.Scene.from_toml(scenes_of_newton.format(name))
     result = mb.run(scene)

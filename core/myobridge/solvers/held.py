@@ -105,6 +105,8 @@ class HeldTangent:
         """The tangent for the next solve, with its account; None where a new one is cheaper."""
         if self._kept is None:
             return None
+        if self._spent == 0:  # no solve to count
+            return self._kept
         solves, spent = self._kept.work[0] + 1.0, self._kept.work[1] + self._spent
         if solves > 1.0 and self._spent * solves > self.factors.worth + spent:
             return None

@@ -85,6 +85,10 @@ class Search:
         """Go back to where the residual was smallest."""
         self._here = self.best
 
+    def go_to(self, point: Array) -> None:
+        """Go on from another point, found elsewhere."""
+        self._here = self._at(point)
+
     def note(self, step: NewtonStep) -> None:
         """Keep how an iteration went, count it and log it."""
         count("newton_iterations")

@@ -64,7 +64,7 @@ class Simplified(NewtonMethod):
     tolerance : float
         Factor by which the residual must fall.
     max_iterations : int
-        After which it has failed.
+        Most iterations with kept tangents; then true ones take over.
     backtracks : int
         Most halvings of a correction that leads to a point that is not admissible.
     contraction : float
@@ -88,7 +88,9 @@ class Simplified(NewtonMethod):
     summary: ClassVar[str] = "keeps its tangent across iterations and steps, accelerated (thesis, 1.5.2)"
 
     tolerance: float = number(1e-12, within="(0, 1e-3]", doc="factor by which the residual must fall")
-    max_iterations: int = integer(100, within="[1, inf)", doc="iterations after which it has failed")
+    max_iterations: int = integer(
+        100, within="[1, inf)", doc="most iterations with kept tangents; then true ones take over"
+    )
     backtracks: int = integer(20, within="[1, inf)", doc="most halvings of a correction")
     contraction: float = number(0.7, within="(0, 1)", doc="fall of the residual below which an iteration is slow")
     depth: int = integer(5, within="[0, inf)", doc="earlier iterations that accelerate the next one")
@@ -102,19 +104,9 @@ class Simplified(NewtonMethod):
         search = Search(problem, start, self.backtracks)
         try:
             held = HeldTangent(kept, self.linear)
-            if self._found(search, held):
-                served = held.handed_on() if search.history else kept
-                return NewtonResult(search.point, True, len(search.history), "", tuple(search.history), served)
-            true = Inexact(
-                tolerance=min(self.tolerance * search.first / search.best.size, 1e-3) if search.best.size else 1e-3,
-                max_iterations=_TRUE,
-                backtracks=self.backtracks,
-                linear=self.linear,
-            ).with_held(problem, search.best.point, held)
-            search.history.extend(true.history)
-            if true.converged:
+            if self._found(search, held) or self._found_truly(search, held):
                 history = tuple(search.history)
-                return true._replace(iterations=len(history), history=history, kept=held.handed_on())
+                return NewtonResult(search.point, True, len(history), "", history, held.handed_on())
         except (SingularMatrix, UnsolvedSystem):
             pass
         ordinary = Ordinary(tolerance=self.tolerance, backtracks=self.backtracks, linear=self.linear)
@@ -159,6 +151,21 @@ class Simplified(NewtonMethod):
             useless = lost or slow >= _SLOW or (held.overdrawn and not held.fresh)
             past.learn(search.point - earlier, search.residual - residual)
         return True
+
+    def _found_truly(self, search: Search, held: HeldTangent) -> bool:
+        """Whether a solution was found from the best point with true tangents, and the factors that are there."""
+        if not math.isfinite(search.best.size):
+            return False
+        inexact = Inexact(
+            tolerance=min(self.tolerance * search.first / search.best.size, 1e-3),
+            max_iterations=_TRUE,
+            backtracks=self.backtracks,
+            linear=self.linear,
+        )
+        found = inexact.with_held(search.problem, search.best.point, held)
+        search.history.extend(found.history)
+        search.go_to(found.unknowns)
+        return found.converged
 
 
 @hookimpl
