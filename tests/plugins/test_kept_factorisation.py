@@ -36,6 +36,7 @@ from myobridge.solvers import (
     method_for,
     method_for_size,
 )
+from myobridge.solvers.kept import recalled
 from myobridge.work import counted
 from myobridge_plugins.continuation.natural import Natural
 from myobridge_plugins.linear_solver.amg_gmres import AmgGmres
@@ -311,6 +312,40 @@ def test_anderson_solves_linear_equations_in_as_many_iterations_as_unknowns(size
         unknowns, residual = following, residual + fall
     conditions = np.linalg.cond(matrix) ** 2
     assert np.linalg.norm(matrix @ unknowns - right) <= 1e-9 * conditions * np.linalg.norm(right)
+
+
+def test_earlier_iterations_correct_an_old_tangent(elastic_block: Any) -> None:
+    problem = Cubic(elastic_block(dimension=2, cells=3), 1.0)
+    start = np.zeros(problem.right.size)
+    old = kept(problem.tangent(0.5 * Ordinary().solve(problem, start).unknowns))
+    plain, accelerated = (Simplified(depth=depth, tolerance=1e-10).solve(problem, start, old) for depth in (0, 5))
+    assert accelerated.converged
+    assert not any(step.factorised for step in accelerated.history)
+    assert accelerated.iterations < 0.7 * plain.iterations
+
+
+def test_what_is_kept_is_symmetric_where_it_almost_is_rough_and_stored_once(solid: Any, elastic_block: Any) -> None:
+    one = mb.registry().find("time_integrator", "midpoint").cls(newton=Simplified())
+    memory = one.step(solid, None, solid.rest_motion(), {}, 0.0, DT).memory
+    assert memory["kept/mark"][0] == 1.0
+    assert "kept/transposed_gradient/data" in memory
+    assert not any(name.startswith("kept/gradient") for name in memory)
+    again = recalled(memory, solid)
+    assert again is not None
+    assert again.system.gradient is again.system.transposed_gradient
+    assert again.factorisation is not None
+    assert "in single precision" in again.factorisation.describe()
+    # Half of a skew part is more than a symmetric matrix can stand for.
+    system = elastic_block(dimension=2, cells=3)
+    n = system.stiffness.shape[0]
+    skew = sparse.diags_array([np.full(n - 3, 1.0), np.full(n - 3, -1.0)], offsets=[3, -3])
+    for share, symmetric in ((0.01, True), (1.0, False)):
+        turned = system.stiffness + share * system.stiffness.diagonal().mean() * skew
+        held = HeldTangent(None, SuperLU())
+        held.renew(attrs.evolve(system, stiffness=sparse.csr_array(turned), symmetric=False))
+        assert held.system.symmetric is symmetric
+        assert abs(held.system.stiffness - held.system.stiffness.T).max() == 0.0 or not symmetric
+        assert "single" not in held.factors.describe(), "a solver that is named is taken as it is"
 
 
 def test_paths_of_equilibria_hand_their_factors_on(solid: Any) -> None:
