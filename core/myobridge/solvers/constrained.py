@@ -27,6 +27,8 @@ __all__ = ["ConstrainedMass", "diagonal_of"]
 
 # Up to this many constraints S is formed, which takes a solve with the mass for each.
 _FEW = 150
+# Columns solved at a time: of more, the threads of BLAS cost several times what they save.
+_BLOCK = 8
 # Iterations after which the preconditioner of the start is given up, and those after which all is.
 _MANY, _TOO_MANY = 80, 2000
 # Relative residual of the multipliers unless another is asked for.
@@ -108,8 +110,11 @@ class ConstrainedMass:
         if self._formed is None:
             columns = np.ascontiguousarray(_dense(acting).T)
             mass = effective_mass(self._solid, self._inertance)
-            lumped = isinstance(mass, np.ndarray) and mass.ndim == 1
-            way = columns / mass[:, None] if lumped else self.inverse(columns)
+            if isinstance(mass, np.ndarray) and mass.ndim == 1:
+                way = columns / mass[:, None]
+            else:
+                blocks = np.array_split(columns, np.arange(_BLOCK, self._count, _BLOCK), axis=1)
+                way = np.concatenate([self.inverse(np.asfortranarray(block)) for block in blocks], axis=1)
             self._formed = way, DenseFactorisation(np.asarray(gradient @ way))
         return self._formed
 

@@ -148,7 +148,11 @@ def mass_solver(solid: MacroSolid) -> Callable[[Array], Array]:
     import scipy.sparse as sparse
     import scipy.sparse.linalg as sparse_linalg
 
-    return sparse_linalg.splu(sparse.csc_array(mass)).solve
+    # Positive definite: no pivoting, and an order that keeps the symmetry fills half as much.
+    options = {"SymmetricMode": True}
+    return sparse_linalg.splu(
+        sparse.csc_array(mass), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
+    ).solve
 
 
 def saddle(system: LinearSystem) -> Matrix:
