@@ -192,7 +192,8 @@ def _explain(options: argparse.Namespace) -> int:
     from myobridge.tables import effects_table, settings_table, sizes_table
 
     plan = Plan.of(Scene.load(options.scene, _settings(options.settings)))
-    plan.composed()  # what does not go together is said here, not at the run
+    # What does not go together is said here, not at the run; an equilibrium to start from would be a run of its own.
+    plan.composed(begin=plan.scene.start != "equilibrium")
     console = Console()
     console.print(settings_table(plan))
     console.print(effects_table(plan))

@@ -45,6 +45,7 @@ def settings_table(plan: Plan) -> Table:
     if plan.scaling is None:
         table.add_row("scene", "duration", f"{plan.scene.duration:g}", "s")
         table.add_row("", "step", f"{plan.scene.step:g}", "s")
+        table.add_row("", "start", plan.scene.start or "as_given", "-")
     for section, part in plan.parts.items():
         table.add_row(section, "plugin", plan.names[section], "-", end_section=not declared(type(part)))
         for name, item in declared(type(part)).items():
