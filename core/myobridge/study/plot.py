@@ -55,8 +55,8 @@ def _panel(axes: Any, result: StudyResult, kind: str) -> None:
     tolerance = result.study.tolerance
     if tolerance is not None:
         axes.axhline(tolerance, color="gray", linestyle="--", linewidth=0.9, label=f"tolerance {tolerance:g}")
-    least = max(result.reference_errors().values(), default=0.0)
-    if least > 0.0:
+    least = next(iter(result.reference_errors().values()), 0.0)  # that of the reference model comes first
+    if kind == "error" and least > 0.0:
         axes.axhline(least, color="gray", linestyle=":", linewidth=0.9, label=f"reference {least:.1e}")
     axes.set_xlabel("CPU time [s]")
     axes.set_ylabel(KINDS[kind])
