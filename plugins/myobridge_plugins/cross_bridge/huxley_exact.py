@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces import Array, Fluxes, Promises
+from myobridge.threads import available, shared_out
 from myobridge_plugins.cross_bridge import window_kernels as window
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.exact_kernels import step_sites
@@ -15,6 +16,8 @@ from myobridge_plugins.cross_bridge.exact_kernels import step_sites
 __all__ = ["Exact"]
 
 _HELD = np.zeros(1)
+# Sites below which threads are not worth while.
+_MANY = 4096
 
 
 @final
@@ -63,23 +66,29 @@ class Exact(Discretisation):
         if dt <= 0.0:
             everywhere = np.broadcast_to(displacement, state.shape[:1]).astype(float)
             return self.slide(state, everywhere, out), Fluxes.zero(state.shape[0])
-        flux = np.zeros((4, state.shape[0]))
-        rates = self.rates
-        step_sites(
-            state,
-            out,
-            out is not state,
-            flux,
-            displacement,
-            dt,
-            activation,
-            overlap,
-            self.by_rate,
-            (rates.f1, rates.g1, rates.g2, rates.g3),
-            self.low,
-            self.bins,
-            self.scale,
-        )
+        n, rates = state.shape[0], self.rates
+        flux = np.empty((4, n))
+
+        def part(first: int, last: int) -> None:
+            sites, here = slice(first, last), np.zeros((4, last - first))
+            step_sites(
+                state[sites],
+                out[sites],
+                out is not state,
+                here,
+                displacement[sites] if displacement.size == n else displacement,
+                dt,
+                activation[sites],
+                overlap[sites] if overlap.size == n else overlap,
+                self.by_rate,
+                (rates.f1, rates.g1, rates.g2, rates.g3),
+                self.low,
+                self.bins,
+                self.scale,
+            )
+            flux[:, sites] = here
+
+        shared_out(available() if n >= _MANY else 1, 0, n, part)
         return out, Fluxes(flux[0], flux[1], flux[2], flux[3])
 
     def moments(self, state: Array) -> Array:

@@ -38,7 +38,8 @@ ALIKE = 1e-7  # difference of neighbouring means, weighed by their lengths, belo
 
 # Compiled kernels are cached beside their file. The cache does not see edits of other files: whoever edits a kernel
 # that another file imports, or these numbers, deletes `__pycache__/*.nb?` here. (An installation renews all files.)
-FAST = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
+# They hold no lock, so that sites can be shared out among threads.
+FAST = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
 # No counts of references: every view of an array would cost two atomic operations, a third of the time of a step. Such
 # kernels cannot allocate arrays.
 BARE = {**FAST, "_nrt": False}

@@ -14,7 +14,7 @@ from myobridge.interfaces import Array, Material
 from myobridge.work import count
 from myobridge_plugins.macro_solid.finite_element.discretisation import Discretisation
 from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
-from myobridge_plugins.macro_solid.finite_element.threads import available, shared_out
+from myobridge.threads import available, shared_out
 
 __all__ = ["AssembledRegion", "Assembly", "Kinematics", "Sums", "at_rest"]
 

@@ -40,4 +40,4 @@ def shared_out(threads: int, first: int, last: int, loop: Callable[[int, int], o
 
 @functools.lru_cache(maxsize=1)
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(max_workers=max(available() - 1, 1), thread_name_prefix="assembly")
+    return ThreadPoolExecutor(max_workers=max(available() - 1, 1), thread_name_prefix="loop")
