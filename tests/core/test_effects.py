@@ -223,7 +223,7 @@ def test_a_part_that_is_not_called_for_is_not_in_the_plan(section: str, scenes) 
 def test_the_plan_says_of_every_effect_whether_and_why(scenes) -> None:
     rows = {effect: (state, why) for effect, state, why in Plan.of(mb.Scene.from_toml(scenes["rope"])).effects()}
     assert list(rows) == list(EFFECTS)
-    assert rows["inertia"] == ("on", "integrator 'midpoint'")
+    assert rows["inertia"] == ("on", "integrator 'energy_momentum'")
     assert rows["cross_bridges"] == ("on", "cross_bridges 'hill'")
     # The model could take an activation, but there is none: it is fully active.
     for effect in ("activation", "gravity", "force_velocity", "calcium", "length_dependence", "incompressibility"):

@@ -8,6 +8,7 @@ import pytest
 
 import myobridge as mb
 import myobridge.simulation as simulation_module
+from myobridge.cli import main
 from myobridge.interfaces import Fluxes
 from myobridge.plan import Plan
 from myobridge.run import resume, start
@@ -296,3 +297,19 @@ plugin = "natural"
         mb.Scene.from_toml(static)
     with pytest.raises(mb.SceneError, match=r"scene.start: is 'equilibrum'.*Did you mean 'equilibrium'"):
         mb.Scene.from_toml(SCENE.replace('"equilibrium"', '"equilibrum"'))
+
+
+def test_explain_shows_the_start_and_does_not_look_for_the_equilibrium(tmp_path, monkeypatch, capsys) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    monkeypatch.setattr(simulation_module, "begun", None)
+    assert main(["explain", str(path)]) == 0
+    assert "equilibrium" in capsys.readouterr().out
+
+
+def test_a_run_says_how_it_began(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    assert main(["run", str(path), "-o", str(tmp_path / "r.h5")]) == 0
+    assert "start: equilibrium under the loads before t = 0, in 11 levels and" in capsys.readouterr().out
