@@ -227,7 +227,7 @@ def test_a_run_resumes_amid_halved_steps(cut: float, scenes, tmp_path: Path, mon
 
 
 def test_what_an_integrator_remembers_is_resumed(scenes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cls = mb.registry().find("time_integrator", "midpoint").cls
+    cls = mb.registry().find("time_integrator", "energy_momentum").cls
     real = cls.step
 
     def counting(self, solid, law, motion, memory, time, dt):
