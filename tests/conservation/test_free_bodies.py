@@ -175,6 +175,9 @@ def test_momenta_that_other_methods_promise(name, data):
     cls = INTEGRATORS[name]
     free = name in ("symplectic_euler", "stoermer_verlet")  # they know no constraint
     scene = data.draw(scenes((None,) if free else (math.inf, 1e9, None)))
+    # What survives a shock is another question: firm tissue, and heads that pull gently.
+    firm = attrs.evolve(scene.solid, material=MooneyRivlin())
+    scene = attrs.evolve(scene, solid=firm, model=attrs.evolve(scene.model, p_max=1e3))
     if cls.explicit:
         scene = attrs.evolve(scene, dt=2e-6)
     momenta_kept(scene, scene.thrown(cls()), angular="angular_momentum" in cls.conserves)
