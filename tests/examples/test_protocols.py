@@ -93,7 +93,8 @@ def test_every_example_is_asserted():
     scenes = {path.stem for path in EXAMPLES.glob("*.toml")}
     muscles = {name for name in scenes if "finite_element" in (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")}
     assert {name for name in scenes - muscles if not name.startswith("thesis_")} == set(CHECKS)
-    run_there = (Path(__file__).parent / "test_muscles.py").read_text(encoding="utf-8")
+    here = Path(__file__).parent
+    run_there = "".join((here / f"test_{name}.py").read_text(encoding="utf-8") for name in ("muscles", "motion"))
     assert {name for name in muscles if f'run("{name}"' not in run_there} == set()
 
 
