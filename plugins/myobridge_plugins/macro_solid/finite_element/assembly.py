@@ -11,10 +11,10 @@ import numpy as np
 
 from myobridge.compiled import LANES
 from myobridge.interfaces import Array, Material
+from myobridge.threads import available, shared_out
 from myobridge.work import count
 from myobridge_plugins.macro_solid.finite_element.discretisation import Discretisation
 from myobridge_plugins.macro_solid.finite_element.pattern import Pattern
-from myobridge.threads import available, shared_out
 
 __all__ = ["AssembledRegion", "Assembly", "Kinematics", "Sums", "at_rest"]
 
