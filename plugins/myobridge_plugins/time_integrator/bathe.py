@@ -38,7 +38,8 @@ class Bathe(TimeIntegrator):
               u_\gamma - u_0 = \gamma \Delta t \frac{v_0 + v_\gamma}{2}, \qquad c(u_\gamma, p_\gamma) = 0
 
     and then BDF2 from :math:`u_0, u_\gamma` to the end of the step. Order 2; the second stage damps what the trapezoid
-    would let ring, so that it is stable with constraints.
+    would let ring, so that it is stable with constraints. Where heads
+    start to pull out of balance it may add energy, a fifth at the worst that was seen.
 
     Departures
     ----------

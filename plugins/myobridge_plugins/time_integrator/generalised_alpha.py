@@ -40,6 +40,7 @@ class GeneralisedAlpha(TimeIntegrator):
 
     Coupled to cross-bridges by `splitting` it is of order 1: the accelerations belong to earlier populations.
     `corrected` keeps the order.
+    Where heads start to pull out of balance it may add energy, 93 % at the worst that was seen.
 
     Parameters
     ----------
