@@ -50,7 +50,7 @@ def found(cell: Cell) -> Finding:
         why=why,
         surprise="; ".join(filter(None, surprises)),
         measured=measured,
-        predicted=predicted,
+        predicted={name: value for name, value in predicted.items() if name in expectation.agrees},
         largest_step=step,
         beyond=beyond,
         seconds=process_time() - started,
