@@ -79,7 +79,7 @@ class Atlas:
         *,
         resume: bool = False,
         workers: int | None = None,
-        patience: float = 180.0,
+        patience: float = 900.0,
         watch: Callable[[Finding, int], object] | None = None,
     ) -> Chart:
         """Try all cells.
@@ -93,8 +93,8 @@ class Atlas:
         workers : int, optional
             Processes; as many as there are cores without. 0: in this process, unguarded.
         patience : float
-            How much longer than the computing time that a case allows a cell may take in a worker [s], for compilation
-            and the reference run.
+            How much longer than the computing time that a case allows a cell may take in a worker [s]: for compilation,
+            the reference run, and a machine that others use too.
         watch : callable, optional
             Told every new finding and how many cells are left.
 
