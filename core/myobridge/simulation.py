@@ -151,7 +151,7 @@ class Simulation:
                 self.iterations += report.iterations
                 self.control.succeeded(target, room=self.step_error is None or self.step_error.room)
                 return report
-            self.control.failed(self.time, report.reason)
+            self.control.failed(self.time, report.reason, dt)
 
     def run(self, end: float, after_step: Callable[[Simulation, StepReport], Any] | None = None) -> Simulation:
         """Step until `end` [s]; `after_step` is called with the simulation and the report of each accepted step."""

@@ -54,8 +54,8 @@ class StepControl:
         # The step itself, not the difference of two rounded times: all full steps are equal to the last bit.
         return target, dt if on_grid else target - time
 
-    def failed(self, time: float, reason: str) -> None:
-        """Halve the step.
+    def failed(self, time: float, reason: str, tried: float) -> None:
+        """Halve the step until it is shorter than the one `tried` [s]: a stop may have cut that one short.
 
         Raises
         ------
@@ -69,6 +69,8 @@ class StepControl:
                 "or another integrator or coupling; the result so far is kept."
             )
         self.halvings += 1
+        while self.halvings < self.MAX_HALVINGS and self.dt / 2**self.halvings > 0.75 * tried:
+            self.halvings += 1
         self.successes = 0
 
     def succeeded(self, time: float, *, room: bool = True) -> None:

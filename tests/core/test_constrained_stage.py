@@ -264,3 +264,12 @@ def test_equilibrium_of_the_quad_under_any_load(load: tuple[float, ...], logarit
     assert balance.constraint is not None
     assert np.linalg.norm(balance.force) <= 1e-10 * max(balance.magnitude, 1.0)
     assert abs(balance.constraint[0]) < 1e-11
+
+
+@pytest.mark.parametrize("integrator", IMPLICIT, ids=lambda one: type(one).__name__)
+def test_a_step_a_million_times_too_short_is_solved(integrator: Any) -> None:
+    """Mass over the step squared beside the rod's direction: unscaled, the tangent's condition is above 1e18."""
+    pendulum, dt = Pendulum(), 1e-9
+    motion = run(pendulum, integrator, 3 * dt, 3)[-1]
+    start = pendulum.rest_motion()
+    np.testing.assert_allclose(motion.displacement, 3 * dt * start.velocity, rtol=1e-6)

@@ -198,7 +198,10 @@ def test_the_file_of_another_problem_is_refused(write, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_ends_a_path_at_a_whole_point(number: int, code: int, write, tmp_path: Path) -> None:
     path = write(CHAIN.replace("report = [0, 0.4, 0.8, 1.2]", "step = 1e-5\nsmallest = 1e-6"))
-    command = [sys.executable, "-u", "-m", "myobridge.cli", "run", str(path), "-o", str(tmp_path / "out.h5")]
+    # A job that a script put into the background is born deaf to Ctrl-C.
+    program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    program += "from myobridge.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-u", "-c", program, "run", str(path), "-o", str(tmp_path / "out.h5")]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
     ) as process:

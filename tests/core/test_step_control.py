@@ -23,7 +23,8 @@ def times(control: StepControl, time: float, end: float, stops: list[float], fai
         assert target - time == pytest.approx(dt, rel=1e-9)
         if failing.get(len(found), 0) > 0:
             failing[len(found)] -= 1
-            control.failed(time, "asked to")
+            control.failed(time, "asked to", dt)
+            assert control.next(time, stops, end)[1] < dt, "the same step again would fail again"
             continue
         control.succeeded(target)
         time = target
@@ -35,9 +36,11 @@ def times(control: StepControl, time: float, end: float, stops: list[float], fai
 
 @given(
     dt=st.floats(1e-6, 1.0),
-    steps=st.floats(0.3, 60.0),
-    stops=st.lists(st.floats(0.0, 60.0), max_size=5),
-    failures=st.dictionaries(st.integers(1, 40), st.integers(1, 3), max_size=4),  # 12 halvings are allowed
+    # Tenths lie at a fifth of a step or more from every halved grid, so that a step cut short that fails costs at most
+    # three halvings, of the twelve allowed.
+    steps=st.integers(3, 600).map(lambda tenths: tenths / 10),
+    stops=st.lists(st.integers(0, 600).map(lambda tenths: tenths / 10), max_size=5),
+    failures=st.dictionaries(st.integers(1, 40), st.integers(1, 2), max_size=2),
     cut=st.integers(1, 60),
 )
 def test_an_interrupted_run_takes_the_same_steps(dt, steps, stops, failures, cut) -> None:
@@ -52,10 +55,10 @@ def test_an_interrupted_run_takes_the_same_steps(dt, steps, stops, failures, cut
     control, done = StepControl(dt), [0.0]
     failing = dict(failures)
     while len(done) <= cut and done[-1] < end - 1e-6 * dt:
-        target, _ = control.next(done[-1], stops, end)
+        target, tried = control.next(done[-1], stops, end)
         if failing.get(len(done), 0) > 0:
             failing[len(done)] -= 1
-            control.failed(done[-1], "asked to")
+            control.failed(done[-1], "asked to", tried)
             continue
         control.succeeded(target)
         done.append(target)
@@ -87,13 +90,21 @@ def test_halving_and_regrowth() -> None:
 
 def test_after_twelve_halvings_it_is_over() -> None:
     control = StepControl(1.0)
-    for _ in range(12):
-        control.failed(0.5, "no reason")
+    for halvings in range(12):
+        control.failed(0.5, "no reason", 2.0**-halvings)
     assert control.next(0.5, (), 10.0)[1] == 2.0**-12
     with pytest.raises(
         mb.StepFailed, match=r"t = 0\.5 s failed even after 12 halvings \(dt = 0\.000244 s\): no reason"
     ):
-        control.failed(0.5, "no reason")
+        control.failed(0.5, "no reason", 2.0**-12)
+
+
+def test_a_step_cut_short_that_fails_is_not_tried_again_as_it_is() -> None:
+    control = StepControl(1.0)
+    target, dt = control.next(0.9, (), 10.0)
+    assert target == 1.0
+    control.failed(0.9, "no reason", dt)
+    assert control.next(0.9, (), 10.0)[1] == pytest.approx(0.0375)
 
 
 class Fussy(mb.TimeIntegrator):

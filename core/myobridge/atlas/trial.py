@@ -61,11 +61,11 @@ class _CountedControl(StepControl):
     allowed: float = math.inf
     count: int = 0
 
-    def failed(self, time: float, reason: str) -> None:
+    def failed(self, time: float, reason: str, tried: float) -> None:
         self.count += 1
         if self.count > self.allowed:
             raise _Lost(f"halving {self.count} at t = {time:.4g} s, where {self.allowed:g} are allowed: {reason}")
-        super().failed(time, reason)
+        super().failed(time, reason, tried)
 
 
 def tried(

@@ -17,7 +17,12 @@ _WORST = 1e-6
 
 
 class DenseFactorisation(Factorisation):
-    """Factors of a dense matrix, shape (n, n).
+    r"""Factors of a dense matrix, shape (n, n), its rows and columns brought to the same size first.
+
+    .. math:: D_r A D_c \; y = D_r b, \qquad x = D_c \, y, \qquad \max_j |D_r A D_c|_{ij} = 1
+
+    The equations of a saddle have units of their own: mass over a short step squared stands beside the gradient of a
+    constraint, and unscaled such a matrix looks singular from some 1e-4 of a sensible step on.
 
     Raises
     ------
@@ -29,19 +34,19 @@ class DenseFactorisation(Factorisation):
         import scipy.linalg as linalg
 
         self._matrix, self._symmetric = matrix, symmetric
-        norm = float(np.abs(matrix).sum(axis=0).max()) if matrix.size else 0.0
-        if not np.isfinite(norm):
+        if not np.isfinite(matrix).all():
             raise SingularMatrix
-        factor, condition = linalg.get_lapack_funcs(("getrf", "gecon"), (matrix,))
-        factors, pivots, info = factor(matrix)
+        self._rows, self._columns = _scales(matrix)
+        scaled = self._rows[:, None] * matrix * self._columns
+        norm = float(np.abs(scaled).sum(axis=0).max()) if matrix.size else 0.0
+        factor, condition = linalg.get_lapack_funcs(("getrf", "gecon"), (scaled,))
+        factors, pivots, info = factor(scaled, overwrite_a=True)
         if matrix.size and (info > 0 or condition(factors, norm)[0] < np.finfo(float).eps):
             raise SingularMatrix
         self._factors: Any = (factors, pivots)
 
     def solve(self, vector: Array, tolerance: float = 1e-12) -> Array:
-        import scipy.linalg as linalg
-
-        found = np.asarray(linalg.lu_solve(self._factors, vector, check_finite=False))
+        found = self.approximate(vector)
         missed = float(np.linalg.norm(vector - self._matrix @ found))
         allowed = max(tolerance, _WORST) * float(np.linalg.norm(vector))
         if not missed <= allowed:
@@ -51,7 +56,8 @@ class DenseFactorisation(Factorisation):
     def approximate(self, vector: Array) -> Array:
         import scipy.linalg as linalg
 
-        return np.asarray(linalg.lu_solve(self._factors, vector, check_finite=False))
+        found = linalg.lu_solve(self._factors, (self._rows * vector.T).T, check_finite=False)
+        return (self._columns * np.asarray(found).T).T
 
     @property
     def worth(self) -> float:
@@ -63,3 +69,17 @@ class DenseFactorisation(Factorisation):
 
     def describe(self) -> str:
         return f"dense factors of {self._matrix.shape[0]} unknowns"
+
+
+def _scales(matrix: Array) -> tuple[Array, Array]:
+    """Powers of two that bring the largest entry of every row and column near one, in a few sweeps of Ruiz' method.
+
+    An empty row or column keeps its size, and the factors find it singular.
+    """
+    rows, columns, size = np.ones(matrix.shape[0]), np.ones(matrix.shape[0]), np.abs(matrix)
+    for _ in range(3 if matrix.size else 0):
+        row, column = size.max(axis=1), size.max(axis=0)
+        by_row = np.exp2(-np.round(0.5 * np.log2(np.where(row > 0.0, row, 1.0))))
+        by_column = np.exp2(-np.round(0.5 * np.log2(np.where(column > 0.0, column, 1.0))))
+        rows, columns, size = rows * by_row, columns * by_column, by_row[:, None] * size * by_column
+    return rows, columns
