@@ -17,9 +17,9 @@ _WORST = 1e-6
 
 
 class DenseFactorisation(Factorisation):
-    r"""Factors of a dense matrix, shape (n, n), its rows and columns brought to the same size first.
+    r"""Factors of a dense matrix, shape (n, n); of one that looks singular, with rows and columns of one size.
 
-    .. math:: D_r A D_c \; y = D_r b, \qquad x = D_c \, y, \qquad \max_j |D_r A D_c|_{ij} = 1
+    .. math:: D_r A D_c \; y = D_r b, \qquad x = D_c \, y, \qquad \max_j |D_r A D_c|_{ij} \approx 1
 
     The equations of a saddle have units of their own: mass over a short step squared stands beside the gradient of a
     constraint, and unscaled such a matrix looks singular from some 1e-4 of a sensible step on.
@@ -31,19 +31,17 @@ class DenseFactorisation(Factorisation):
     """
 
     def __init__(self, matrix: Array, *, symmetric: bool = False) -> None:
-        import scipy.linalg as linalg
-
         self._matrix, self._symmetric = matrix, symmetric
         if not np.isfinite(matrix).all():
             raise SingularMatrix
-        self._rows, self._columns = _scales(matrix)
-        scaled = self._rows[:, None] * matrix * self._columns
-        norm = float(np.abs(scaled).sum(axis=0).max()) if matrix.size else 0.0
-        factor, condition = linalg.get_lapack_funcs(("getrf", "gecon"), (scaled,))
-        factors, pivots, info = factor(scaled, overwrite_a=True)
-        if matrix.size and (info > 0 or condition(factors, norm)[0] < np.finfo(float).eps):
+        self._rows = self._columns = np.ones(matrix.shape[0])
+        factors = _factors(matrix)
+        if factors is None:
+            self._rows, self._columns = _scales(matrix)
+            factors = _factors(self._rows[:, None] * matrix * self._columns)
+        if factors is None:
             raise SingularMatrix
-        self._factors: Any = (factors, pivots)
+        self._factors = factors
 
     def solve(self, vector: Array, tolerance: float = 1e-12) -> Array:
         found = self.approximate(vector)
@@ -69,6 +67,18 @@ class DenseFactorisation(Factorisation):
 
     def describe(self) -> str:
         return f"dense factors of {self._matrix.shape[0]} unknowns"
+
+
+def _factors(matrix: Array) -> Any:
+    """Triangular factors and pivots; none if the matrix is singular to round-off."""
+    import scipy.linalg as linalg
+
+    factor, condition = linalg.get_lapack_funcs(("getrf", "gecon"), (matrix,))
+    factors, pivots, info = factor(matrix)
+    norm = float(np.abs(matrix).sum(axis=0).max()) if matrix.size else 0.0
+    if matrix.size and (info > 0 or condition(factors, norm)[0] < np.finfo(float).eps):
+        return None
+    return factors, pivots
 
 
 def _scales(matrix: Array) -> tuple[Array, Array]:
