@@ -2,6 +2,7 @@ r"""Exact discretisation: cells that ride with the filament, cut where the rates
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import final
 
 import attrs
@@ -53,10 +54,14 @@ class Exact(Discretisation):
         return self.advance(state, activation, overlap, _HELD, dt, out)
 
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
-        if out is None:
-            out = np.empty_like(state)
-        window.slide_sites(state, out, out is not state, displacement, self.low, self.bins)
-        return out
+        found = np.empty_like(state) if out is None else out
+
+        def part(first: int, last: int) -> None:
+            sites = slice(first, last)
+            window.slide_sites(state[sites], found[sites], found is not state, displacement[sites], self.low, self.bins)
+
+        _shared_out(state.shape[0], part)
+        return found
 
     def advance(
         self, state: Array, activation: Array, overlap: Array, displacement: Array, dt: float, out: Array | None
@@ -88,13 +93,25 @@ class Exact(Discretisation):
             )
             flux[:, sites] = here
 
-        shared_out(available() if n >= _MANY else 1, 0, n, part)
+        _shared_out(n, part)
         return out, Fluxes(flux[0], flux[1], flux[2], flux[3])
 
     def moments(self, state: Array) -> Array:
-        return state[:, window.Q0 : window.Q2 + 1].copy()
+        found = np.empty((state.shape[0], 3))
+
+        def part(first: int, last: int) -> None:
+            # A row's header is far from the next one's: what this takes is waiting for memory.
+            found[first:last] = state[first:last, window.Q0 : window.Q2 + 1]
+
+        _shared_out(state.shape[0], part)
+        return found
 
     def density(self, state: Array) -> tuple[Array, Array]:
         """Centres of the cells and their means."""
         start = state[:, window.START, None]
         return start + (np.arange(self._n_cells) + 0.5) / self.bins, state[:, window.HEADER :].copy()
+
+
+def _shared_out(n_sites: int, part: Callable[[int, int], None]) -> None:
+    """Run `part` over ranges of sites, on threads where there are enough of them."""
+    shared_out(available() if n_sites >= _MANY else 1, 0, n_sites, part)
