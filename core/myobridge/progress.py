@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import perf_counter, process_time
+from time import perf_counter
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -13,6 +13,7 @@ from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.simulation import Simulation
 from myobridge.study.prediction import learn, predicted
+from myobridge.study.watch import Watch
 from myobridge.tables import (
     effects_table,
     ledger_table,
@@ -46,7 +47,7 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
     if run.simulation.finished(end):
         console.print(f"t = {run.simulation.time:.6g} s is the end already; --set scene.duration=... goes on")
     expected = predicted(plan, measure=False)
-    first, started, processor = run.simulation.steps, perf_counter(), process_time()
+    begun, watch = run.simulation.steps, Watch()
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -60,6 +61,7 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
 
             def after_step(simulation: Simulation, report: StepReport) -> None:
                 nonlocal shown
+                watch.stepped(simulation)
                 now = perf_counter()
                 if now - shown > _INTERVAL or simulation.finished(end):
                     shown = now
@@ -67,13 +69,13 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
 
             result = run.to(end, after_step, until=until)
     finally:
-        wall = perf_counter() - started
+        watch.stop(run.simulation)
         simulation = run.simulation
         console.print(ledger_table(run))
-        console.print(shares_table(run, wall, simulation.steps - first, expected))
-        if not first:
-            learn(plan, run, wall, process_time() - processor)
-        console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {wall:.2f} s")
+        console.print(shares_table(run, watch, expected))
+        if not begun:
+            learn(plan, watch)
+        console.print(f"{simulation.steps} steps to t = {simulation.time:.6g} s in {watch.wall:.2f} s")
     if run.output is not None:
         console.print(written(run.output, result), markup=False, highlight=False, soft_wrap=True)
     return result

@@ -15,6 +15,7 @@ from myobridge.plan import Plan
 from myobridge.results import Result
 from myobridge.static_run import StaticRun, UnstableEquilibrium
 from myobridge.statics import Statics
+from myobridge.study.prediction import predicted
 from myobridge.tables import effects_table, newton_choice, settings_table, solver_choice, written
 
 __all__ = ["follow_path", "path_table"]
@@ -31,6 +32,7 @@ def follow_path(run: StaticRun, plan: Plan, *, quiet: bool = False) -> Result:
         console.print(f"Newton's method: {chosen}", markup=False, highlight=False)
     if run.finished:
         console.print("the path is complete already", markup=False)
+    expected = predicted(plan, measure=False)
     started = perf_counter()
 
     def after_point(statics: Statics, point: PathPoint) -> None:
@@ -47,7 +49,9 @@ def follow_path(run: StaticRun, plan: Plan, *, quiet: bool = False) -> Result:
     finally:
         if run.recorder.n_rows:
             console.print(path_table(run))
-        console.print(f"{run.recorder.n_rows} points in {perf_counter() - started:.2f} s", highlight=False)
+        beforehand = f" (expected: {expected.seconds:.2g} s)" if expected is not None else ""
+        took = perf_counter() - started
+        console.print(f"{run.recorder.n_rows} points in {took:.2f} s{beforehand}", highlight=False)
         said = run.unstable()
         if said:  # also when nothing else is printed
             print(f"myobridge: WARNING: {said}", file=sys.stderr)

@@ -22,6 +22,7 @@ from myobridge.run import Run
 from myobridge.scaling import Scaling
 from myobridge.static_recording import STATIC_QUANTITIES
 from myobridge.study.prediction import Prediction
+from myobridge.study.watch import Watch
 
 __all__ = [
     "effects_table",
@@ -191,9 +192,9 @@ def ledger_table(run: Run) -> Table:
     return table
 
 
-def shares_table(run: Run, wall: float, steps: int, prediction: Prediction | None = None) -> Table:
-    """Share of the computing time `wall` [s] of each phase, over `steps` steps, and what was expected beforehand."""
-    simulation = run.simulation
+def shares_table(run: Run, watch: Watch, prediction: Prediction | None = None) -> Table:
+    """Share of each phase in the computing time, and of a step what it took and what was expected beforehand."""
+    simulation, wall = run.simulation, watch.wall
     seconds: dict[str, float] = dict(simulation.seconds) | {"recording": run.recording_seconds}
     rest = max(wall - sum(seconds.values()), 0.0)
     table = Table(title="time", title_justify="left")
@@ -204,9 +205,11 @@ def shares_table(run: Run, wall: float, steps: int, prediction: Prediction | Non
         share = value / wall if wall > 0.0 else 0.0
         table.add_row(name.replace("_", " "), f"{value:.3f}", f"{100.0 * share:.1f} %")
     iterations = simulation.iterations / max(simulation.steps, 1)
-    table.add_row("a step", f"{wall / max(steps, 1):.2e}", f"{iterations:.2f} iterations")
+    if watch.steps:
+        table.add_row("first step", f"{watch.first:.2e}", "loads the kernels")
+    table.add_row("a step", f"{watch.a_step:.2e}", f"{iterations:.2f} iterations")
     if prediction is not None:
-        table.add_row("expected a step", f"{prediction.a_step:.2e}", f"{prediction.a_step * steps:.2g} s in all")
+        table.add_row("expected a step", f"{prediction.a_step:.2e}", f"{prediction.seconds:.2g} s in all")
     return table
 
 

@@ -77,7 +77,7 @@ def test_costs_are_measured(name: str, scenes) -> None:
     one = mb.Plan.of(mb.Scene.from_toml(scenes[name]))
     costs = measured_costs(one)
     assert (costs.unknowns, costs.values) == size_of_plan(one)
-    assert costs.steps == 19
+    assert costs.steps == 18
     assert 1e-6 < costs.mechanics + costs.micro + costs.rest < 1.0
     json.dumps(attrs.asdict(costs))
 

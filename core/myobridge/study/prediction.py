@@ -8,14 +8,13 @@ plus the assembly, which grows with the unknowns.
 
 from __future__ import annotations
 
-from typing import Any
-
 import attrs
 
 from myobridge.errors import MyobridgeError
 from myobridge.interfaces import SystemSize
 from myobridge.plan import Plan
 from myobridge.study.unit_costs import UnitCosts, keep, kept, measured_costs, peak_memory, shares, size_of_plan
+from myobridge.study.watch import Watch
 
 __all__ = ["Prediction", "learn", "predicted"]
 
@@ -63,22 +62,21 @@ def predicted(plan: Plan, *, measure: bool = True) -> Prediction | None:
     return None if costs is None else _scaled(plan, costs)
 
 
-def learn(plan: Plan, run: Any, wall: float, cpu: float) -> None:
+def learn(plan: Plan, watch: Watch) -> None:
     """Keep the unit costs of a run that has been made: they are better than those of a coarse scene."""
-    simulation = run.simulation
-    if simulation.steps < 3:
+    if watch.steps < 3:
         return
     unknowns, values = size_of_plan(plan)
-    a_step = {name: spent / simulation.steps for name, spent in simulation.seconds.items()}
+    a_step, wall, cpu = watch.phases()
     known = kept(plan)
     keep(
         plan,
         UnitCosts(
             unknowns=unknowns,
             values=values,
-            **shares(a_step, wall, cpu, simulation.steps),
-            setup=known.setup if known else 0.0,
-            steps=simulation.steps,
+            **shares(a_step, wall, cpu, watch.steps),
+            setup=known.setup if known else watch.first,
+            steps=watch.steps,
             memory=known.memory if known else 0.0,
         ),
     )

@@ -106,14 +106,22 @@ def measured_costs(plan: Plan) -> UnitCosts:
 def _stepped(simulation: Simulation, end: float, processor: float) -> tuple[dict[str, float], float, int]:
     simulation.step(end)  # loads the kernels
     setup = process_time() - processor
-    before, first, began, processor = dict(simulation.seconds), simulation.steps, perf_counter(), process_time()
-    while not simulation.finished(end) and simulation.steps - first < _STEPS and perf_counter() - began < _PATIENCE:
+    began, marks = perf_counter(), [_mark(simulation)]
+    while not simulation.finished(end) and len(marks) <= _STEPS and perf_counter() - began < _PATIENCE:
         simulation.step(end)
-    steps = simulation.steps - first
-    if not steps:
+        marks.append(_mark(simulation))
+    spent = np.diff(marks, axis=0)
+    if not len(spent):
         return {"mechanics": setup, "micro": 0.0, "rest": 0.0}, setup, 1
-    a_step = {name: (value - before[name]) / steps for name, value in simulation.seconds.items()}
-    return shares(a_step, perf_counter() - began, process_time() - processor, steps), setup, steps
+    if len(spent) > 2:  # the costliest may have been the first to need some other kernel
+        spent = np.delete(spent, np.argmax(spent[:, 0]), axis=0)
+    wall, cpu, *phases = spent.sum(axis=0)
+    a_step = dict(zip(simulation.seconds, np.array(phases) / len(spent), strict=True))
+    return shares(a_step, wall, cpu, len(spent)), setup, len(spent)
+
+
+def _mark(simulation: Simulation) -> list[float]:
+    return [perf_counter(), process_time(), *simulation.seconds.values()]
 
 
 def shares(a_step: Mapping[str, float], wall: float, cpu: float, steps: int) -> dict[str, float]:
