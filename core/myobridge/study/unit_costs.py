@@ -22,6 +22,7 @@ import numpy as np
 
 from myobridge.errors import MyobridgeError
 from myobridge.plan import Plan
+from myobridge.recording import Recorder
 from myobridge.scene import Scene
 from myobridge.simulation import Simulation
 from myobridge.study.measurement import kind_of
@@ -31,8 +32,8 @@ __all__ = ["UnitCosts", "cache_file", "keep", "kept", "measured_costs", "peak_me
 
 _SMALL = 3000
 _COARSEST = -6
-_STEPS = 24
-_PATIENCE = 2.0
+# Steps that are tried, within a patience [s]; more of them where they are cheap, up to some seconds.
+_STEPS, _PATIENCE, _CHEAP = 24, 3.0, 1.0
 
 
 @attrs.frozen(kw_only=True)
@@ -97,18 +98,24 @@ def measured_costs(plan: Plan) -> UnitCosts:
             spent, setup, steps = min(perf_counter() - started, process_time() - processor), 0.0, 1
             costs = {"mechanics": spent, "micro": 0.0, "rest": 0.0}
         else:
-            costs, setup, steps = _stepped(composed, coarse.scene.duration, processor)
+            recorder = Recorder(coarse.scene.record, composed)
+            costs, setup, steps = _stepped(composed, recorder, coarse.scene.duration, processor)
     unknowns, values = size_of_plan(coarse)
     grown = max(peak_memory() - before, 0.0)
     return UnitCosts(unknowns=unknowns, values=values, **costs, setup=setup, steps=steps, memory=grown)
 
 
-def _stepped(simulation: Simulation, end: float, processor: float) -> tuple[dict[str, float], float, int]:
+def _stepped(
+    simulation: Simulation, recorder: Recorder, end: float, processor: float
+) -> tuple[dict[str, float], float, int]:
+    recorder.observe(simulation)
     simulation.step(end)  # loads the kernels
+    recorder.observe(simulation)
     setup = process_time() - processor
     began, marks = perf_counter(), [_mark(simulation)]
-    while not simulation.finished(end) and len(marks) <= _STEPS and perf_counter() - began < _PATIENCE:
+    while not simulation.finished(end) and perf_counter() - began < (_CHEAP if len(marks) > _STEPS else _PATIENCE):
         simulation.step(end)
+        recorder.observe(simulation)
         marks.append(_mark(simulation))
     spent = np.diff(marks, axis=0)
     if not len(spent):
