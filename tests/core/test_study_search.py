@@ -69,7 +69,7 @@ def test_a_ladder_has_rungs_for_what_the_scene_has(scenes) -> None:
     study = ladder(mb.Scene.from_toml(SCENE), 1e-2)
     steps = sorted({variant.settings["scene.step"] for variant in study.variants})
     bins = sorted({variant.settings["cross_bridges.bins"] for variant in study.variants})
-    assert steps[0] == pytest.approx(1e-3 / 8)
+    assert steps[0] == pytest.approx(1e-3 / 64)
     assert steps[-1] == pytest.approx(8e-3), "four steps at least"
     assert bins == [8, 16, 32]
     rope = ladder(mb.Scene.from_toml(scenes["rope"]), 1e-2)
@@ -85,7 +85,18 @@ def test_nothing_is_recommended_that_is_not_good_enough(priced_by_work) -> None:
     assert result.recommend() is None
     assert "nothing is recommended for 1e-09: the reference itself is off by" in recommendation_text(result, "")
     assert result.rows[0].measured
-    assert result.standards[""].error > 1e-9, "six levels are enough effort"
+    assert result.standards[""].error > 1e-9, "eight levels are enough effort"
+
+
+def test_a_level_that_cannot_be_made_ends_the_refinement_not_the_study(priced_by_work) -> None:
+    """No more than 4096 bins: the third level has them, and the fourth is none."""
+    fine = mb.Scene.from_toml(SCENE).with_settings({"cross_bridges.bins": 1024})
+    study = mb.Study(scene=fine, vary={"scene.step": [4e-3]}, tolerance=1e-9, repeats=1, search=True)
+    result = study.run(workers=0)
+    assert not result.failures
+    assert len(result.standards[""].distances) == 2
+    assert result.doubt == result.standards[""].error > 0.0
+    assert result.rows[0].measured
 
 
 def test_a_search_needs_a_tolerance() -> None:

@@ -46,6 +46,12 @@ class Judge:
         self.standards[model] = standard([one.course for one in levels if one.course is not None], self._study.norm)
         return self.standards[model]
 
+    @property
+    def doubt(self) -> float:
+        """What the solution that all errors are measured from is off itself; 0 for a closed form."""
+        known = self.standards.get(self._true_model)
+        return 0.0 if known is None else known.error
+
     def obstacle(self, variant: Variant) -> str:
         """Why a variant cannot be judged; empty where it can."""
         return self.failures.get(self._true_model) or self.failures.get(variant.model, "")

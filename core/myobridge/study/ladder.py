@@ -13,7 +13,7 @@ from myobridge.study.study import Study
 __all__ = ["ladder"]
 
 # How much finer than the scene the rungs are, in powers of two: coarser ones first, for they may be good enough.
-_STEP = range(-6, 4)
+_STEP = range(-6, 7)
 _BINS = range(-2, 2)
 _MESH = range(-1, 1)
 _LEAST_BINS = 8

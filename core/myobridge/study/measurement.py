@@ -126,6 +126,7 @@ def _stepped(simulation: Simulation, end: float, task: Task, setup: float) -> Me
     readers = {quantity.name: reader(quantity, simulation) for quantity in wanted}
     simulation.stop_at(list(task.stops))
     times, rows = [simulation.time], {name: [read(simulation)] for name, read in readers.items()}
+    kept = [(rows[name], read) for name, read in readers.items()]
     cpu = wall = 0.0
     with counted() as work:
         while not simulation.finished(end) and cpu <= task.limit:
@@ -134,8 +135,8 @@ def _stepped(simulation: Simulation, end: float, task: Task, setup: float) -> Me
             cpu += process_time() - processor
             wall += perf_counter() - clock
             times.append(simulation.time)
-            for name, read in readers.items():
-                rows[name].append(read(simulation))
+            for row, read in kept:
+                row.append(read(simulation))
     values = {name: _table(name, found) for name, found in rows.items()}
     said: dict[str, Any] = {"cpu": cpu, "wall": wall, "setup": setup, "steps": simulation.steps, "work": dict(work)}
     for name, found in values.items():
@@ -145,10 +146,11 @@ def _stepped(simulation: Simulation, end: float, task: Task, setup: float) -> Me
 
 
 def _table(name: str, rows: list[Any]) -> Array:
-    flat = [np.ravel(np.asarray(row, dtype=float)) for row in rows]
-    if len({row.size for row in flat}) != 1:
-        raise MyobridgeError(f"quantities: '{name}' changes its shape during the run")
-    return np.stack(flat)
+    try:
+        table = np.array(rows, dtype=float)
+    except ValueError:
+        raise MyobridgeError(f"quantities: '{name}' changes its shape during the run") from None
+    return table.reshape(len(rows), -1)
 
 
 def _warm(plan: Plan, end: float) -> None:

@@ -39,6 +39,8 @@ class StudyResult:
         Runs computed now, and runs that were kept from before.
     cpu : float
         CPU seconds of the steps of the runs computed now.
+    doubt : float
+        What the solution that all errors are measured from is off itself; 0 for a closed form.
     """
 
     study: Study
@@ -48,6 +50,7 @@ class StudyResult:
     computed: int = 0
     kept: int = 0
     cpu: float = 0.0
+    doubt: float = 0.0
 
     @property
     def measured(self) -> tuple[Row, ...]:
@@ -65,7 +68,9 @@ class StudyResult:
         return tuple(front)
 
     def recommend(self, tolerance: float | None = None) -> Row | None:
-        """The cheapest variant whose error is at most `tolerance`, that of the study without; None where none is.
+        """The cheapest variant that is good enough for `tolerance`, or that of the study; None where none is.
+
+        Its error and what the reference may be off, which is not known to be on the same side, stay below it together.
 
         Raises
         ------
@@ -75,7 +80,7 @@ class StudyResult:
         limit = self.study.tolerance if tolerance is None else tolerance
         if limit is None:
             raise MyobridgeError("tolerance: is not given, neither here nor in the study")
-        return next((row for row in self.measured if row.error <= limit), None)
+        return next((row for row in self.measured if row.error + self.doubt <= limit), None)
 
     def table(self) -> list[dict[str, Any]]:
         """Tidy table: a flat mapping for every row, with the same keys in all."""

@@ -43,7 +43,8 @@ def run(
             judge, rows = searched(study, bench, levels)
         else:
             judge, rows = _all(study, bench, levels)
-    return StudyResult(study, tuple(rows), judge.standards, judge.failures, bench.computed, bench.found, bench.cpu)
+    counts = bench.computed, bench.found, bench.cpu
+    return StudyResult(study, tuple(rows), judge.standards, judge.failures, *counts, doubt=judge.doubt)
 
 
 def _all(study: Study, bench: Bench, levels: Levels) -> tuple[Judge, list[Row]]:

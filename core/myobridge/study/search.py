@@ -27,7 +27,7 @@ __all__ = ["searched"]
 
 # A reference that is off by this share of the tolerance decides nothing wrongly that matters.
 _SHARE = 0.25
-_MOST_LEVELS = 6
+_MOST_LEVELS = 8
 # Runs are given up, and not begun, only where they cost this much more than the best: times are noisy, short ones most.
 _MARGIN, _NOISE = 1.2, 0.05
 # Those within this factor of the best are timed again, side by side.
@@ -83,7 +83,10 @@ def _learn(judge: Judge, bench: Bench, levels: Levels, model: str, tolerance: fl
     runs = bench.run([(levels.scene(model, level), 0) for level in range(levels.count)])
     known = judge.learn(model, runs)
     while known is not None and known.error > _SHARE * tolerance and len(runs) < _MOST_LEVELS:
-        runs += bench.run([(levels.scene(model, len(runs)), 0)])
+        finer = bench.run([(levels.scene(model, len(runs)), 0)])
+        if finer[0].failure:  # bins, say, have a limit: what is known remains, with its error
+            break
+        runs += finer
         known = judge.learn(model, runs)
 
 
@@ -108,7 +111,7 @@ def _time_again(
 def _good(judge: Judge, variant: Variant, measurement: Measurement, tolerance: float) -> bool:
     if measurement.failure or measurement.stopped or measurement.course is None:
         return False
-    return judge.errors(variant, measurement.course).get("error", float("inf")) <= tolerance
+    return judge.errors(variant, measurement.course).get("error", float("inf")) + judge.doubt <= tolerance
 
 
 def _dearer(study: Study, number: int, found: Mapping[int, list[Measurement]], limit: float) -> str:

@@ -122,11 +122,12 @@ def recommendation_text(result: StudyResult, file: str | PathLike[str]) -> str:
             f"recommended for {tolerance:g}: {best.command or 'the scene as it stands'}\n"
             f"  error {best.error:.1e}, {best.cpu:.3g} s CPU"
         )
-    off = next(iter(result.reference_errors().values()), 0.0)  # that of the reference model comes first
-    if off > tolerance:
+    off = result.doubt
+    if 2.0 * off > tolerance:  # no variant is credited with less
         return f"nothing is recommended for {tolerance:g}: the reference itself is off by {off:.1e}; make it finer"
     least = min((row.error for row in result.measured), default=math.nan)
-    return f"nothing is recommended for {tolerance:g}: the least error of any variant is {least:.1e}"
+    beside = f", and the reference may be off by {off:.1e}" if off else ""
+    return f"nothing is recommended for {tolerance:g}: the least error of any variant is {least:.1e}{beside}"
 
 
 def effects_price_table(priced: EffectPrices) -> Table:
