@@ -3,9 +3,9 @@
 ``python examples/thesis_scheme.py [--cells 32x8] [--duration 0.1] [--bulk-modulus 1e6] [--bins 8]``
 
 Both integrate the complete model of a block that is held at the left and activated, quasi-incompressible so that the
-thesis' scheme survives: half-explicit Euler in symplectic order, upwind population, staggered coupling, at a step a
-little below its limit of stability, which is found first. The default (energy-momentum, exact population, splitting)
-takes the largest step with which displacement and tension at the end are as close to a fine reference or closer.
+thesis' scheme survives: half-explicit Euler in symplectic order, upwind population, staggered coupling, at its limit
+of stability, which is found first. The default (energy-momentum, exact population, splitting) takes the largest step
+with which displacement and tension at the end are as close to a fine reference or closer.
 """
 
 from __future__ import annotations
@@ -127,20 +127,20 @@ def predicted_limit(reference: Ran) -> float:
     return 2.0 / found.omega
 
 
-def thesis_run(scene: mb.Scene, bins: int, limit: float, energy: float) -> tuple[Ran, float, float]:
-    """The thesis' scheme with the largest step that survives, out of a ladder around the predicted limit.
+def thesis_run(scene: mb.Scene, bins: int, limit: float, energy: float) -> tuple[Ran, float]:
+    """The thesis' scheme with the largest step that survives, out of a ladder from the predicted limit down.
 
+    Beyond the limit a run may end before it has gained much, but it rings, and comparing with that would be no merit.
     `energy` is the largest of the reference [J].
 
     Returns
     -------
     tuple
-        The run, its step, and the smallest step that was lost (infinite where none was tried) [s].
+        The run, and its step [s].
     """
     settings = THESIS | {"cross_bridges.bins": bins}
     run(scene.with_settings({"scene.duration": 1e-5}), settings | {"scene.step": 1e-6})  # compiles
-    lost = float("inf")
-    for share in (1.1, 1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5):
+    for share in (1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5):
         dt = share * limit
         # Steps of one length: the last one ends within half a step of the duration.
         steps = round(scene.duration / dt)
@@ -150,8 +150,7 @@ def thesis_run(scene: mb.Scene, bins: int, limit: float, energy: float) -> tuple
             + ("survives" if found.survived else f"lost at {1e3 * found.simulation.time:.1f} ms")
         )
         if found.survived:
-            return found, scene.duration / steps, lost
-        lost = scene.duration / steps
+            return found, scene.duration / steps
     raise SystemExit("the thesis' scheme survives at none of the steps that were tried; lower --bulk-modulus")
 
 
@@ -199,7 +198,7 @@ def compare(cells: Sequence[int], duration: float, bulk_modulus: float, bins: in
     )
     limit = predicted_limit(reference)
     say(f"thesis' scheme, {4 * bins} cells a point; predicted limit {1e6 * limit:.2f} us")
-    thesis, dt, lost = thesis_run(scene, bins, limit, reference.simulation.ledger.largest)
+    thesis, dt = thesis_run(scene, bins, limit, reference.simulation.ledger.largest)
     there = errors(thesis, reference)
     say(f"default, to at most {100 * there[0]:.2f} % (displacement) and {100 * there[1]:.2f} % (tension)")
     default, steps = default_run(scene, reference, there)
@@ -214,8 +213,6 @@ def compare(cells: Sequence[int], duration: float, bulk_modulus: float, bins: in
             f"{name:8s} step {step:.3g} s, {ran.simulation.steps} steps, CPU {seconds:.3g} s, "
             f"errors {100 * wrong[0]:.2f} % and {100 * wrong[1]:.2f} %\n         {profile(ran)}"
         )
-    if np.isfinite(lost):
-        say(f"the thesis' scheme is lost at a step of {1e6 * lost:.2f} us")
     say(f"CPU ratio {ratio:.0f}")
     return ratio
 
