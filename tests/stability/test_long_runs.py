@@ -1,4 +1,4 @@
-"""Tens of thousands of steps, and a hundred thousand: the energy error of symplectic integrators stays bounded, and does not drift."""
+"""Very many steps: the energy error of symplectic integrators stays bounded, and does not drift."""
 
 from __future__ import annotations
 
