@@ -34,8 +34,14 @@ __all__ = [
     "twist",
 ]
 
-# Sums may be reordered and contracted as in the functions that this is compiled into.
-in_lane = numba.njit(error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"}, forceinline=True)
+# Sums may be reordered and contracted as in the functions that this is compiled into. Python calls none of them.
+in_lane = numba.njit(
+    error_model="numpy",
+    fastmath={"reassoc", "contract", "arcp", "nsz"},
+    forceinline=True,
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+)
 
 
 # First place of each row. Unsigned, because numba lets negative places count from the end, and asking for the sign of

@@ -12,14 +12,14 @@ from __future__ import annotations
 from numba import njit
 
 from myobridge.compiled import LANES
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER
 
 __all__ = ["add_constraint", "add_force", "add_stiffness", "add_whole_stiffness"]
 
 _L = LANES
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_force(n, n_nodes, volume, slopes, stress, force):
     """Add ``P G`` of every node to rows ``3 a + i`` of `force`."""
     for a in range(n_nodes):
@@ -34,7 +34,7 @@ def add_force(n, n_nodes, volume, slopes, stress, force):
             f[2 * _L + lane] += x * stress[6 * _L + lane] + y * stress[7 * _L + lane] + z * stress[8 * _L + lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_constraint(n, n_nodes, n_multipliers, volume, slopes, shapes, extra, half, gradient):
     """Add ``psi cof F G`` to rows ``3 (k n_nodes + a) + i`` of `gradient`; `half` is scratch of 3 rows."""
     for a in range(n_nodes):
@@ -56,7 +56,7 @@ def add_constraint(n, n_nodes, n_multipliers, volume, slopes, shapes, extra, hal
                 b[2 * _L + lane] += psi * half[2 * _L + lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_stiffness(n, n_nodes, volume, slopes, tangent, half, stiffness):
     """Add ``G A G`` of every pair of nodes a <= b to the blocks of `stiffness`; `half` is scratch of 27 rows."""
     pair = 0
@@ -173,7 +173,7 @@ def add_stiffness(n, n_nodes, volume, slopes, tangent, half, stiffness):
             pair += 1
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_whole_stiffness(n, n_nodes, volume, slopes, whole, half, stiffness):
     """Add ``G A G`` of every pair of nodes where A has no symmetry: all 81 entries in, all pairs ``a n_nodes + b`` out.
 

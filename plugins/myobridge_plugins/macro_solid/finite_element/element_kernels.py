@@ -5,14 +5,14 @@ from __future__ import annotations
 from numba import njit
 
 from myobridge.compiled import LANES
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER
 
 __all__ = ["add_deformation", "gather", "identity", "shape_gradients", "volume_and_inverse"]
 
 _L = LANES
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def gather(n, dimension, n_nodes, nodes, field, local):
     """Nodal vectors of a batch in rows ``3 a + i`` of `local`; the third component of a plane field is zero."""
     for a in range(n_nodes):
@@ -26,7 +26,7 @@ def gather(n, dimension, n_nodes, nodes, field, local):
                 local[row + lane] = 0.0
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def volume_and_inverse(n, dimension, slopes, corners, inverse, volume):
     """Inverse Jacobian, d xi_m / d X_J in row ``3 m + J``, and the ratio of volumes, from the corners of the cells.
 
@@ -77,7 +77,7 @@ def volume_and_inverse(n, dimension, slopes, corners, inverse, volume):
         inverse[8 * _L + lane] = (j00 * j11 - j01 * j10) * over
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def shape_gradients(n, n_nodes, slopes, inverse, gradients):
     """Gradients of the shape functions in the reference body, rows ``3 a + J``."""
     for a in range(n_nodes):
@@ -89,7 +89,7 @@ def shape_gradients(n, n_nodes, slopes, inverse, gradients):
             g[2 * _L + lane] = x * inverse[2 * _L + lane] + y * inverse[5 * _L + lane] + z * inverse[8 * _L + lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def identity(n, state):
     """F = 1 in rows 0-8."""
     for row in range(9):
@@ -98,7 +98,7 @@ def identity(n, state):
             state[row * _L + lane] = value
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_deformation(n, n_nodes, local, gradients, state):
     """Add the displacement gradient to rows 0-8."""
     for a in range(n_nodes):

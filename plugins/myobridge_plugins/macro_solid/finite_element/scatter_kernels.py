@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from myobridge.compiled import LANES
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS
 
 __all__ = ["scatter_gradient", "scatter_stiffness", "scatter_whole_stiffness"]
 
@@ -22,7 +22,7 @@ _ROW = tuple(_U(row * LANES) for row in range(9))
 _ONE, _TWO, _BLOCK = _U(1), _U(2), _U(9 * LANES)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_stiffness(n, dimension, n_nodes, nodes, lengths, rows, places, local, data):
     """Add the blocks of all pairs a <= b, and their transposes, to the rows of the free numbers.
 
@@ -54,7 +54,7 @@ def scatter_stiffness(n, dimension, n_nodes, nodes, lengths, rows, places, local
                 at = at + _BLOCK
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_whole_stiffness(n, dimension, n_nodes, nodes, lengths, rows, places, local, data):
     """Add the blocks of all pairs, a and b in either order, where the stiffness is not symmetric."""
     for lane in range(n):
@@ -94,7 +94,7 @@ def _add(data, at, length, dimension, k00, k01, k02, k10, k11, k12, k20, k21, k2
         data[below + _TWO] += k22
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _add_free(data, rows, dimension, first, second, place, local, at, down, across):
     """Add those numbers of a block whose row and column are free."""
     for i in range(dimension):
@@ -107,7 +107,7 @@ def _add_free(data, rows, dimension, first, second, place, local, at, down, acro
                     entry += 1
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_gradient(
     n, dimension, n_nodes, n_multipliers, nodes, multipliers, lengths, rows, gradient_rows, places, local, data
 ):

@@ -35,7 +35,7 @@ from myobridge_plugins.macro_solid.finite_element.kernel_types import (
     TOUCHED,
     VECTOR,
 )
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS
 from myobridge_plugins.macro_solid.finite_element.scatter_kernels import scatter_gradient, scatter_whole_stiffness
 from myobridge_plugins.macro_solid.finite_element.step_moduli_kernels import (
     add_correction_moduli,
@@ -59,7 +59,7 @@ _L = LANES
 _EARLY, _LATE = 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _fill(n, point, fibre, tension, slope, shapes, numbers, pressure, start, end, first, second):
     """Rows beyond 8 of the states of a point: N everywhere, and p, T and dT / d lambda of `start`."""
     for lane in range(n):

@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 
 from myobridge.compiled import LANES
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER
 from myobridge_plugins.macro_solid.finite_element.symmetric_lanes import (
     cofactor_symmetric,
     combination,
@@ -43,7 +43,7 @@ _PLACE = np.array([[(9 + min(r, c) * (17 - min(r, c)) // 2 + max(r, c)) * _L for
 _PAIR = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_moduli(n, weight, state, out, half, moduli):
     """Add `weight` times the moduli of a material whose tangent at the upper triangular F of `state` is in `out`.
 
@@ -93,7 +93,7 @@ def add_moduli(n, weight, state, out, half, moduli):
             m[5 * _L + lane] += weight * y10
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_correction_moduli(n, end, out, half, kept, moduli):
     """Add the derivative of the correction along D; `end` has F_1, and `out` the material's stress there.
 
@@ -125,7 +125,7 @@ def add_correction_moduli(n, end, out, half, kept, moduli):
             row[5 * _L + lane] += change[lane] * half[5 * _L + lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_other_moduli(n, drag, start, end, half, kept, moduli):
     """Add what pressure, fibre, viscosity and the correction's own size give.
 
@@ -183,7 +183,7 @@ def add_other_moduli(n, drag, start, end, half, kept, moduli):
             row[5 * _L + lane] += x * normal[5 * _L + lane] + y * slopes[5 * _L + lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def whole_tangent(n, end, kept, moduli, half, whole):
     """The tangent in the 81 rows of `whole`; `half` is scratch of 54 rows."""
     stress = kept[33 * _L :]
@@ -219,7 +219,7 @@ def whole_tangent(n, end, kept, moduli, half, whole):
                     entry[lane] += 0.5 * s[lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def gradients_of_volume(n, end, kept, found):
     """d J / d F at the end in rows 0-8, and the one that acts over the step, F_m G, in rows 9-17."""
     volumes, acting = kept[15 * _L :], found[9 * _L :]

@@ -32,7 +32,7 @@ import numpy as np
 from numba import njit
 
 from myobridge.compiled import LANES
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER
 from myobridge_plugins.macro_solid.finite_element.symmetric_lanes import (
     cofactor_symmetric,
     combination,
@@ -68,7 +68,7 @@ _ROUND_OFF = 32.0 * float(np.finfo(float).eps)
 _GAUSS = 1.0 / math.sqrt(3.0)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def step_states(n, start, end, first, second, kept):
     """F_1, and the material's states at both Gauss points.
 
@@ -98,7 +98,7 @@ def step_states(n, start, end, first, second, kept):
         kept[32 * _L + lane] = math.sqrt(squared + 2.0 * scalar_product(along, change))
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def mean_stress(n, first, second, first_stress, last_stress, kept):
     """The material's S, mean of both Gauss points; returns whether a change is large enough to ask for energies."""
     passive = kept[_PASSIVE:]
@@ -114,7 +114,7 @@ def mean_stress(n, first, second, first_stress, last_stress, kept):
     return largest > _TINY
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def correct(n, modulus, before, after, kept):
     """alpha, from the energies at both ends."""
     changes, passive = kept[_CHANGE:], kept[_PASSIVE:]
@@ -128,7 +128,7 @@ def correct(n, modulus, before, after, kept):
         kept[39 * _L + lane] = scale / math.sqrt(size) if sure > 0.0 else 0.0
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def step_stress(n, drag, start, kept, out):
     """The whole S in rows 33-38 of `kept`, and F_m S in rows 0-8 of `out`; p and T are rows 12 and 13 of `start`."""
     changes, volumes, passive, stresses = kept[_CHANGE:], kept[_VOLUME:], kept[_PASSIVE:], kept[_STRESS:]

@@ -28,7 +28,7 @@ from myobridge_plugins.macro_solid.finite_element.element_kernels import (
     volume_and_inverse,
 )
 from myobridge_plugins.macro_solid.finite_element.kernel_types import CELLS, INDEX, PLACES, TABLE, VECTOR
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS
 from myobridge_plugins.macro_solid.finite_element.scatter_kernels import scatter_stiffness
 from myobridge_plugins.macro_solid.finite_element.symmetric_lanes import (
     combination,
@@ -45,7 +45,7 @@ _L = LANES
 _PAIR = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _stress(n, viscosity, state, moving, stress, out):
     """S, and P in rows 0-8 of `out`."""
     for lane in range(n):
@@ -56,7 +56,7 @@ def _stress(n, viscosity, state, moving, stress, out):
         store_stress(out, lane, product_symmetric(f, s))
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _tangents(n, viscosity, state, stress, out, turned):
     """Derivative by the rate in rows 9-53 of `out`, and by F at a given rate of strain in those of `turned`."""
     entry = 9 * _L
