@@ -212,7 +212,8 @@ def steady(rate, rates, out):
     step, trial = np.empty(3), np.empty(3)
     for i in range(rate.size):
         ra = rate[i]
-        out[i] = 0.0
+        for j in range(3):  # a whole row at once would compile the text of an error that cannot occur
+            out[i, j] = 0.0
         k = ra * f1 + g1
         if not ra * f1 > 0.0:
             continue
@@ -232,4 +233,5 @@ def steady(rate, rates, out):
                 if trial[0] > 0.0 and trial[0] * trial[2] > trial[1] * trial[1]:
                     break
                 scale *= 0.5
-            q[:] = trial
+            for j in range(3):
+                q[j] = trial[j]
