@@ -10,7 +10,10 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-__all__ = ["available", "shared_out"]
+__all__ = ["available", "over_sites", "shared_out"]
+
+# Sites below which threads are not worth while.
+_MANY = 4096
 
 
 def available() -> int:
@@ -36,6 +39,11 @@ def shared_out(threads: int, first: int, last: int, loop: Callable[[int, int], o
         # Also after an interrupt: what the others write into must not outlive this call unnoticed.
         for other in others:
             other.result()
+
+
+def over_sites(n_sites: int, part: Callable[[int, int], object]) -> None:
+    """Run ``part(a, b)`` over ranges [a, b) of sites, on all threads where there are many sites."""
+    shared_out(available() if n_sites >= _MANY else 1, 0, n_sites, part)
 
 
 @functools.lru_cache(maxsize=1)

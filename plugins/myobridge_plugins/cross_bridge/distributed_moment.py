@@ -12,6 +12,7 @@ import numpy as np
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import ActiveLaw, AffineLaw, Array, CrossBridgeModel, Fluxes, Overlap, Promises
 from myobridge.parameters import choice, number, part
+from myobridge.threads import over_sites
 from myobridge_plugins.cross_bridge.isometric_law import IsometricLaw
 from myobridge_plugins.cross_bridge.moment_kernels import react_euler, react_exactly, shift, steady
 
@@ -142,12 +143,18 @@ class DistributedMoment(CrossBridgeModel):
     ) -> tuple[Array, Fluxes]:
         out = np.empty_like(state) if out is None else out
         rate, capacity = self._attachment(activation, stretch)
-        fluxes = np.empty((4, activation.size))
-        if self.method == "explicit_euler":
-            react_euler(state, rate, capacity, dt, self._rates, self._energy_unit, out, fluxes)
-        else:
-            extrapolate = self.method == "extrapolated"
-            react_exactly(state, rate, capacity, dt, self._rates, extrapolate, self._energy_unit, out, fluxes)
+        fluxes, rates, unit = np.empty((4, activation.size)), self._rates, self._energy_unit
+
+        def part(first: int, last: int) -> None:
+            i, here = slice(first, last), np.empty((4, last - first))
+            if self.method == "explicit_euler":
+                react_euler(state[i], rate[i], capacity[i], dt, rates, unit, out[i], here)
+            else:
+                extrapolate = self.method == "extrapolated"
+                react_exactly(state[i], rate[i], capacity[i], dt, rates, extrapolate, unit, out[i], here)
+            fluxes[:, i] = here
+
+        over_sites(activation.size, part)
         return out, Fluxes(*fluxes)
 
     def slide(self, state: Array, displacement: Array, out: Array | None = None) -> Array:

@@ -2,14 +2,13 @@ r"""Exact discretisation: cells that ride with the filament, cut where the rates
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import final
 
 import attrs
 import numpy as np
 
 from myobridge.interfaces import Array, Fluxes, Promises
-from myobridge.threads import available, shared_out
+from myobridge.threads import over_sites
 from myobridge_plugins.cross_bridge import window_kernels as window
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.exact_kernels import step_sites
@@ -17,8 +16,6 @@ from myobridge_plugins.cross_bridge.exact_kernels import step_sites
 __all__ = ["Exact"]
 
 _HELD = np.zeros(1)
-# Sites below which threads are not worth while.
-_MANY = 4096
 
 
 @final
@@ -60,7 +57,7 @@ class Exact(Discretisation):
             sites = slice(first, last)
             window.slide_sites(state[sites], found[sites], found is not state, displacement[sites], self.low, self.bins)
 
-        _shared_out(state.shape[0], part)
+        over_sites(state.shape[0], part)
         return found
 
     def advance(
@@ -93,7 +90,7 @@ class Exact(Discretisation):
             )
             flux[:, sites] = here
 
-        _shared_out(n, part)
+        over_sites(n, part)
         return out, Fluxes(flux[0], flux[1], flux[2], flux[3])
 
     def moments(self, state: Array) -> Array:
@@ -103,15 +100,10 @@ class Exact(Discretisation):
             # A row's header is far from the next one's: what this takes is waiting for memory.
             found[first:last] = state[first:last, window.Q0 : window.Q2 + 1]
 
-        _shared_out(state.shape[0], part)
+        over_sites(state.shape[0], part)
         return found
 
     def density(self, state: Array) -> tuple[Array, Array]:
         """Centres of the cells and their means."""
         start = state[:, window.START, None]
         return start + (np.arange(self._n_cells) + 0.5) / self.bins, state[:, window.HEADER :].copy()
-
-
-def _shared_out(n_sites: int, part: Callable[[int, int], None]) -> None:
-    """Run `part` over ranges of sites, on threads where there are enough of them."""
-    shared_out(available() if n_sites >= _MANY else 1, 0, n_sites, part)

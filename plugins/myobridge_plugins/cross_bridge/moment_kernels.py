@@ -110,7 +110,7 @@ def _book(fluxes, i, unit, attached, detached, change):
     fluxes[3, i] = unit * (change - (attached - detached))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def react_exactly(state, rate, capacity, dt, rates, extrapolate, unit, out, fluxes):
     """Exponential projection; with `extrapolate` twice at half the step, minus once, where that is realizable."""
     f1, g1, g2, g3 = rates
@@ -150,7 +150,7 @@ def _slopes(q0, q1, q2, ra, c, f1, g1, g2, g3):
     )
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def react_euler(state, rate, capacity, dt, rates, unit, out, fluxes):
     """Explicit Euler step of the moment equations: the baseline, unrealizable after few steps."""
     f1, g1, g2, g3 = rates
