@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from myobridge.errors import SceneError
 __all__ = ["add_cost"]
 
 _TOLERANCE = 1e-2
+_WIDTH = 140
 
 
 def add_cost(verbs: Any) -> None:
@@ -42,7 +45,8 @@ def _cost(options: argparse.Namespace) -> int:
     from myobridge.study.tables import left_out_text, recommendation_text, reference_text, study_table
 
     output = options.output or Path(options.file.stem + ".cost")
-    console = Console()
+    # A file has no width: labels of variants are not cut there.
+    console = Console(width=None if sys.stdout.isatty() or "COLUMNS" in os.environ else _WIDTH)
     how = {"workers": options.workers, "scheduler": options.scheduler}
     if options.effects:
         return _effects(options, output, console, how)

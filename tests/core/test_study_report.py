@@ -153,7 +153,9 @@ class Page:
         self.events.clear()
         self.call("Page.navigate", url=path.as_uri())
         until = time.monotonic() + 60.0
-        while not self.value("document.readyState === 'complete' && !!document.querySelector('.main-svg')"):
+        drawn = "document.readyState === 'complete' && !!document.querySelector('.main-svg')"
+        # Until this page has loaded, the answer may be that of the page before.
+        while not (self.value(drawn) and any(event["method"] == "Page.loadEventFired" for event in self.events)):
             assert time.monotonic() < until, "the page was not drawn within a minute"
             time.sleep(0.05)
 

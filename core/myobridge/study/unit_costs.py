@@ -33,7 +33,7 @@ __all__ = ["UnitCosts", "cache_file", "keep", "kept", "measured_costs", "peak_me
 _SMALL = 3000
 _COARSEST = -6
 # Steps that are tried, within a patience [s]; more of them where they are cheap, up to some seconds.
-_STEPS, _PATIENCE, _CHEAP = 24, 3.0, 1.0
+_STEPS, _PATIENCE, _CHEAP = 60, 6.0, 1.0
 
 
 @attrs.frozen(kw_only=True)

@@ -6,6 +6,8 @@ the loop becomes vector instructions.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numba
 import numpy as np
 
@@ -35,13 +37,14 @@ __all__ = [
 ]
 
 # Sums may be reordered and contracted as in the functions that this is compiled into. Python calls none of them.
-in_lane = numba.njit(
-    error_model="numpy",
-    fastmath={"reassoc", "contract", "arcp", "nsz"},
-    forceinline=True,
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
-)
+_OPTIONS: Any = {
+    "error_model": "numpy",
+    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+in_lane = numba.njit(**_OPTIONS)
 
 
 # First place of each row. Unsigned, because numba lets negative places count from the end, and asking for the sign of
