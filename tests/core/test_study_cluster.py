@@ -14,6 +14,8 @@ import pytest
 
 import myobridge as mb
 from myobridge.study import Quantity
+from myobridge.study.crew import _OnCluster
+from myobridge.study.measurement import Measurement
 
 SCENE = """
 [scene]
@@ -82,13 +84,33 @@ def test_a_cluster_by_its_address(cluster) -> None:
 
 
 @pytest.mark.slow
-def test_a_variant_that_kills_its_worker_is_a_row(tmp_path) -> None:
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_variant_that_kills_its_worker_is_a_row(workers: int, tmp_path) -> None:
+    """It alone: with one worker all others wait where it dies, each time."""
     said = {"quantities": [killing("")], "reference": {"settings": {"scene.step": 2.5e-4}}}
-    result = study(**said).run(tmp_path, workers=2)
+    result = study(**said).run(tmp_path, workers=workers)
     dead, alive = result.rows
     assert dead.reason == "the worker that ran it died, each time"
     assert alive.measured
     assert len(list((tmp_path / "runs").glob("*.npz"))) == 4, "it may go well next time, so it is not kept"
+
+
+def test_what_waited_where_a_worker_died_is_tried_alone(monkeypatch) -> None:
+    """The scheduler blames all tasks of a worker that dies; which of them did it, it cannot know."""
+    tried: list[tuple[str, ...]] = []
+
+    def together(self, tasks, mark):
+        tried.append(tuple(tasks))
+        guilty = "guilty" in tasks
+        for key in tasks:
+            yield key, (None if guilty and key != "far away" else Measurement(steps=1))
+
+    monkeypatch.setattr(_OnCluster, "_together", together)
+    found = dict(_OnCluster(None).run((key, None) for key in ("guilty", "beside it", "far away")))
+    assert tried == [("guilty", "beside it", "far away"), ("guilty",), ("beside it",)]
+    assert found["guilty"].failure == "the worker that ran it died, each time"
+    assert not found["beside it"].failure
+    assert not found["far away"].failure
 
 
 def test_a_worker_that_is_killed_once_costs_no_run(tmp_path, cluster) -> None:

@@ -6,7 +6,7 @@ import contextlib
 import logging
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, final
 
 from myobridge.errors import MyobridgeError
@@ -102,20 +102,35 @@ class _OnCluster(Crew):
         return max(sum(self._client.nthreads().values()), 1)
 
     def run(self, tasks: Iterable[tuple[str, Task]]) -> Iterator[tuple[str, Measurement]]:
+        given, suspects = dict(tasks), list[str]()
+        for key, found in self._together(given, ""):
+            if found is None:
+                suspects.append(key)
+            else:
+                yield key, found
+        # A worker that dies takes along what waits there. Who is to blame shows when it is alone.
+        for key in suspects:
+            found = None
+            if len(given) > 1:
+                ((_, found),) = self._together({key: given[key]}, "-alone")
+            yield key, found or Measurement(failure="the worker that ran it died, each time")
+
+    def _together(self, tasks: Mapping[str, Task], mark: str) -> Iterator[tuple[str, Measurement | None]]:
+        """Answers as they are finished; none of a task whose workers died."""
         from distributed import as_completed
 
         keys: dict[str, str] = {}
         futures: list[Any] = []
-        for key, task in tasks:
-            futures.append(self._client.submit(measured, task, key=f"myobridge-{key}", pure=False))
+        for key, task in tasks.items():
+            futures.append(self._client.submit(measured, task, key=f"myobridge-{key}{mark}", pure=False))
             keys[futures[-1].key] = key
         for future in as_completed(futures, loop=self._client.loop):
             yield keys[future.key], _answer(future)
             future.release()
 
 
-def _answer(future: Any) -> Measurement:
-    """What a worker found; a worker that died is a finding about the task."""
+def _answer(future: Any) -> Measurement | None:
+    """What a worker found; none where the workers died."""
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker
@@ -123,7 +138,7 @@ def _answer(future: Any) -> Measurement:
     try:
         return future.result()
     except KilledWorker:
-        return Measurement(failure="the worker that ran it died, each time")
+        return None
     except CancelledError:
         raise MyobridgeError(
             "the scheduler was lost; finished runs are kept where a folder is given, and the same command goes on"
