@@ -13,7 +13,7 @@ from myobridge.results import Result
 from myobridge.run import Run
 from myobridge.simulation import Simulation
 from myobridge.study.prediction import learn, predicted
-from myobridge.study.watch import Watch
+from myobridge.study.stopwatch import Stopwatch
 from myobridge.tables import (
     effects_table,
     ledger_table,
@@ -47,7 +47,7 @@ def follow(run: Run, plan: Plan, *, until: float | None = None, quiet: bool = Fa
     if run.simulation.finished(end):
         console.print(f"t = {run.simulation.time:.6g} s is the end already; --set scene.duration=... goes on")
     expected = predicted(plan, measure=False)
-    begun, watch = run.simulation.steps, Watch()
+    begun, watch = run.simulation.steps, Stopwatch()
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),

@@ -22,7 +22,7 @@ from myobridge.run import Run
 from myobridge.scaling import Scaling
 from myobridge.static_recording import STATIC_QUANTITIES
 from myobridge.study.prediction import Prediction
-from myobridge.study.watch import Watch
+from myobridge.study.stopwatch import Stopwatch
 
 __all__ = [
     "effects_table",
@@ -192,7 +192,7 @@ def ledger_table(run: Run) -> Table:
     return table
 
 
-def shares_table(run: Run, watch: Watch, prediction: Prediction | None = None) -> Table:
+def shares_table(run: Run, watch: Stopwatch, prediction: Prediction | None = None) -> Table:
     """Share of each phase in the computing time, and of a step what it took and what was expected beforehand."""
     simulation, wall = run.simulation, watch.wall
     seconds: dict[str, float] = dict(simulation.seconds) | {"recording": run.recording_seconds}

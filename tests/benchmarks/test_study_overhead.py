@@ -19,9 +19,9 @@ from myobridge.study.judgement import Judge
 from myobridge.study.ladder import ladder
 from myobridge.study.levels import Levels
 from myobridge.study.prediction import predicted
+from myobridge.study.stopwatch import Stopwatch
 from myobridge.study.store import Store
 from myobridge.study.unit_costs import shares
-from myobridge.study.watch import Watch
 
 pytestmark = pytest.mark.benchmark
 
@@ -102,7 +102,7 @@ def test_explain_expects_what_a_run_takes(path: Path, tmp_path, monkeypatch) -> 
             run.trace()
         ratios = ""
     else:
-        watch = Watch()
+        watch = Stopwatch()
         run.to(plan.scene.duration, lambda simulation, _: watch.stepped(simulation))
         watch.stop(run.simulation)
         spent, wall, cpu = watch.phases()

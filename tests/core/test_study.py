@@ -349,3 +349,19 @@ def test_a_scene_without_time_is_refused() -> None:
     static = ISOMETRIC.replace("duration = 0.1\nstep = 0.01", "") + '[continuation]\nplugin = "natural"\nto = 1.0\n'
     with pytest.raises(mb.MyobridgeError, match="continuation: the scene is without time, and a study compares runs"):
         mb.Study(scene=mb.Scene.from_toml(static), vary={"cross_bridges.bins": [8]})
+
+
+def test_what_the_reference_may_be_off_counts_against_a_recommendation() -> None:
+    found = mb.Study(
+        scene=mb.Scene.from_toml(ISOMETRIC), vary={"cross_bridges.bins": [8, 16]}, repeats=1, quantities=["tension"]
+    ).run(workers=0)
+    least = min(row.error for row in found.measured)
+    assert found.doubt > 0.0
+    assert found.recommend(least + 0.5 * found.doubt) is None
+    assert found.recommend(least + 1.5 * found.doubt) is not None
+
+
+def test_a_quantity_that_changes_its_shape_is_told() -> None:
+    growing = Quantity("growing", lambda now: np.zeros(now.steps))
+    found = isometric(quantities=[growing], vary={"cross_bridges.bins": [8]}).run(workers=0)
+    assert "'growing' changes its shape during the run" in found.rows[0].reason

@@ -13,8 +13,8 @@ import attrs
 from myobridge.errors import MyobridgeError
 from myobridge.interfaces import SystemSize
 from myobridge.plan import Plan
+from myobridge.study.stopwatch import Stopwatch
 from myobridge.study.unit_costs import UnitCosts, keep, kept, measured_costs, peak_memory, shares, size_of_plan
-from myobridge.study.watch import Watch
 
 __all__ = ["Prediction", "learn", "predicted"]
 
@@ -62,7 +62,7 @@ def predicted(plan: Plan, *, measure: bool = True) -> Prediction | None:
     return None if costs is None else _scaled(plan, costs)
 
 
-def learn(plan: Plan, watch: Watch) -> None:
+def learn(plan: Plan, watch: Stopwatch) -> None:
     """Keep the unit costs of a run that has been made: they are better than those of a coarse scene."""
     if watch.steps < 3:
         return

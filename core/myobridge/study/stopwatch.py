@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from myobridge.simulation import Simulation
 
-__all__ = ["Watch"]
+__all__ = ["Stopwatch"]
 
 
-class Watch:
+class Stopwatch:
     """Started when it is made, told of every step, stopped at the end.
 
     Attributes
