@@ -3,10 +3,10 @@ r"""Stability of systems too large to factorise: the smallest eigenvalues of the
 .. math:: P^T K P x = \mu\, D x, \qquad P = I - D^{-1} B^T (B D^{-1} B^T)^{-1} B, \qquad D = \mathrm{diag}(K)
 
 A saddle matrix without compliance has ``n_p`` negative eigenvalues and one for each negative :math:`\mu`. LOBPCG
-(Knyazev [1]_) with one W-cycle as preconditioner finds the smallest few at the cost of one or two linear solves. A
-negative Rayleigh quotient *proves* an unstable direction; there may be more than are counted. That none is found proves
-nothing, but it is what is said once the smallest value, which can only fall, is positive and has settled; the start is
-random, so that no direction is left out.
+(Knyazev [1]_) with one cycle of multigrid as preconditioner finds the smallest few at the cost of one or two linear
+solves. A negative Rayleigh quotient *proves* an unstable direction; there may be more than are counted. That none is
+found proves nothing, but it is what is said once the smallest value, which can only fall, is positive and has settled;
+the start is random, so that no direction is left out.
 
 References
 ----------
