@@ -33,8 +33,8 @@ class AmgGmres(LinearSolver):
               \hat S = 2\,\mathrm{diag}\bigl(B_2\,\mathrm{diag}(K)^{-1} B_1^T + C\bigr)
 
     with :math:`\hat K` smoothed aggregation (`multigrid`) of the symmetric part of `K`, which is told the rigid
-    motions. Preconditioned from the right, the residual that GMRES minimises is the true one. Its iterations hardly grow
-    with the mesh, its memory is that of the matrix and of two vectors for each iteration up to `restart`.
+    motions. Preconditioned from the right, the residual that GMRES minimises is the true one. Its iterations hardly
+    grow with the mesh, its memory is that of the matrix and of two vectors for each iteration up to `restart`.
     The inertia is looked for and not proven (`smallest_eigenvalues`); a matrix that is singular shows itself by
     iterations that do not end.
 
