@@ -26,6 +26,7 @@ from myobridge.solvers import (
     solve,
     stability,
 )
+from myobridge_plugins.linear_solver import pardiso
 from myobridge_plugins.linear_solver.amg_gmres import AmgGmres
 from myobridge_plugins.linear_solver.mumps import Mumps
 from myobridge_plugins.linear_solver.pardiso import Pardiso
@@ -283,3 +284,24 @@ def test_inertia_of_a_direct_solver_is_the_proven_one(elastic_block: Any) -> Non
         if not found.obstacle() and name != "superlu":
             assert found.factorise(system).inertia() == inertia(system.matrix())
     assert stability(system) == 0
+
+
+@pytest.mark.parametrize("alone", [True, False], ids=["stiffness", "nothing on the diagonal"])
+def test_pardiso_pivots_in_pairs_where_it_must(alone: bool, elastic_block: Any, monkeypatch: Any) -> None:
+    """A chain with nothing on the diagonal leaves 1x1 pivots nothing to stand on."""
+    if Pardiso().obstacle():
+        pytest.skip(Pardiso().obstacle())
+    made, kinds = pardiso._Call.__init__, []
+
+    def spied(self: Any, matrix: Any, settings: dict[int, int], kind: int, *, single: bool) -> None:
+        kinds.append(settings[21])
+        made(self, matrix, settings, kind, single=single)
+
+    monkeypatch.setattr(pardiso._Call, "__init__", spied)
+    links = np.random.default_rng(0).uniform(0.5, 2.0, 399)
+    chain = LinearSystem(sparse.csr_array(sparse.diags_array([links, links], offsets=[1, -1])))
+    system = one_of(elastic_block, "space") if alone else chain
+    right = right_side(system)
+    found = Pardiso().factorise(system).solve(right, 1e-10)
+    assert np.linalg.norm(right - system.times(found)) <= 1e-10 * np.linalg.norm(right)
+    assert kinds == ([2] if alone else [2, 1])

@@ -24,9 +24,11 @@ __all__ = ["Pardiso"]
 _SYMMETRIC, _GENERAL = -2, 11
 _ANALYSE_AND_FACTORISE, _SOLVE, _RELEASE = 12, 33, -1
 # iparm by PARDISO's own numbers, counted from 1: own values, nested dissection, refinements only after perturbed pivots
-# (`DirectFactorisation` has its own), perturbation 1e-8, scaling, matching, 1x1 and 2x2 pivots. Without scaling and
-# matching a saddle matrix of 26k rows had 152 perturbed pivots and a residual of 5e-9.
-_SETTINGS = {1: 1, 2: 3, 8: 0, 10: 8, 11: 1, 13: 1, 21: 1}
+# (`DirectFactorisation` has its own), perturbation 1e-8, scaling, matching, 1x1 pivots. Without scaling and matching a
+# saddle matrix of 26k rows had 152 perturbed pivots and a residual of 5e-9; with them 1x1 pivots are as good as 2x2
+# ones, and a tenth to a third faster. A matrix that they do not suit has perturbed pivots: it gets 2x2 ones.
+_SETTINGS = {1: 1, 2: 3, 8: 0, 10: 8, 11: 1, 13: 1, 21: 2}
+_PAIRS = {**_SETTINGS, 21: 1}
 # Triangular solves that a factorisation is worth: so many, and so many for each entry of the factors in a row. As
 # measured: 25 to 45 in the plane, 70 to 120 in space.
 _WORTH = (30.0, 0.06)
@@ -40,7 +42,8 @@ class Pardiso(LinearSolver):
 
     .. math:: P A P^T = L D L^T \quad\text{or}\quad P A Q = L U
 
-    `D` has 1x1 and 2x2 blocks, so that saddle matrices need no ordering of their own, and its signs are the inertia.
+    Pivots are 1x1 or, where those are too small, 2x2, so that saddle matrices need no ordering of their own; their
+    signs are the inertia.
     The phases are called one by one: pypardiso's own `solve` hashes the matrix at every call.
 
     Parameters
@@ -99,8 +102,7 @@ class Pardiso(LinearSolver):
 
 
 def _factored(given: Any, kind: int, whole: Any, *, single: bool) -> Factorisation:
-    call = _Call(given, kind, single=single)
-    call.run(_ANALYSE_AND_FACTORISE)
+    call = _factors(given, kind, single=single)
     n, known = whole.shape[0], None
     if kind == _SYMMETRIC and call.told(14) == 0 and not single:  # signs of small pivots are noise in single precision
         negative, positive = int(call.told(23)), int(call.told(22))
@@ -111,11 +113,25 @@ def _factored(given: Any, kind: int, whole: Any, *, single: bool) -> Factorisati
         return DirectFactorisation(whole, call.solve, text, known, worth=worth)
 
     def double() -> Callable[[Array], Array]:
-        again = _Call(given, kind, single=False)
-        again.run(_ANALYSE_AND_FACTORISE)
-        return again.solve
+        return _factors(given, kind, single=False).solve
 
     return DirectFactorisation(whole, in_single(call.solve), text + " in single precision", worth=worth, double=double)
+
+
+def _factors(given: Any, kind: int, *, single: bool) -> _Call:
+    """Factors with 1x1 pivots where that did, else with 2x2 ones."""
+    call = _Call(given, _SETTINGS if kind == _SYMMETRIC else _GENERAL_SETTINGS, kind, single=single)
+    try:
+        call.run(_ANALYSE_AND_FACTORISE)
+        if kind != _SYMMETRIC or call.told(14) == 0:
+            return call
+    except SingularMatrix:
+        if kind != _SYMMETRIC:
+            raise
+    del call  # its memory first
+    call = _Call(given, _PAIRS, kind, single=single)
+    call.run(_ANALYSE_AND_FACTORISE)
+    return call
 
 
 class _Handle(NamedTuple):
@@ -167,12 +183,12 @@ def _library() -> Any:
 class _Call:
     """PARDISO's memory for one matrix, released with this object."""
 
-    def __init__(self, matrix: Any, kind: int, *, single: bool) -> None:
+    def __init__(self, matrix: Any, settings: dict[int, int], kind: int, *, single: bool) -> None:
         library = _library()
         self._function: Any = library._mkl_pardiso
         # Its arrays are copied: the object is shared.
         self._pointers, self._settings = np.zeros_like(library.pt), np.zeros_like(library.iparm)
-        for index, value in (_SETTINGS if kind == _SYMMETRIC else _GENERAL_SETTINGS).items():
+        for index, value in settings.items():
             self._settings[index - 1] = value
         self._settings[17] = -1  # asks for the number of entries in the factors
         self._settings[27] = int(single)
