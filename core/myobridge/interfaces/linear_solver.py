@@ -46,7 +46,8 @@ class LinearSystem:
     compliance : matrix, shape (n_p, n_p), or None
         C, positive semi-definite; None where it is zero.
     rigid_motions : ndarray, shape (n_u, k), or None
-        Displacements that deform nothing, restricted to the unknowns: what algebraic multigrid must know.
+        Displacements that deform nothing, translations first, restricted to the unknowns: what algebraic multigrid
+        must know.
     symmetric : bool
         Whether the matrix is symmetric.
     """
