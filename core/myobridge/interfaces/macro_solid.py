@@ -229,7 +229,7 @@ class MacroSolid(ABC):
         return 1.0
 
     def rigid_motions(self) -> Array | None:
-        """Translations, then rotations, restricted to the unknowns, (n_unknowns, k); None where no solver needs them."""
+        """Translations, then rotations, of the unknowns alone, (n_unknowns, k); None where no solver needs them."""
         return None
 
     def memory(self) -> int:
