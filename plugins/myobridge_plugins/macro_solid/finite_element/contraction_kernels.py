@@ -12,16 +12,10 @@ from __future__ import annotations
 
 from numba import njit
 
-from myobridge_plugins.macro_solid.finite_element.lane_vectors import add_to, inlined, load, store
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import add_to, inlined, load, product_with, store
 from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER
 
 __all__ = ["add_constraint", "add_dilation", "add_force", "add_stiffness", "add_whole_stiffness"]
-
-
-@inlined
-def _sum(g, rows, i, j, k):
-    """Scalar product of a vector of space with three rows."""
-    return g[0] * load(rows, i) + g[1] * load(rows, j) + g[2] * load(rows, k)
 
 
 @inlined
@@ -36,9 +30,9 @@ def add_force(n_nodes, volume, slopes, stress, force):
     """Add ``P G`` of every node to rows ``3 a + i`` of `force`."""
     for a in range(n_nodes):
         g = _weighted(volume, slopes, a)
-        add_to(force, 3 * a, _sum(g, stress, 0, 1, 2))
-        add_to(force, 3 * a + 1, _sum(g, stress, 3, 4, 5))
-        add_to(force, 3 * a + 2, _sum(g, stress, 6, 7, 8))
+        add_to(force, 3 * a, product_with(g, stress, 0, 1, 2))
+        add_to(force, 3 * a + 1, product_with(g, stress, 3, 4, 5))
+        add_to(force, 3 * a + 2, product_with(g, stress, 6, 7, 8))
 
 
 @njit(**INNER)
@@ -54,7 +48,11 @@ def add_constraint(n_nodes, volume, slopes, shapes, cofactor, gradient):
     """Add ``psi cof F G`` to rows ``3 (k n_nodes + a) + i`` of `gradient`."""
     for a in range(n_nodes):
         g = _weighted(volume, slopes, a)
-        x, y, z = _sum(g, cofactor, 0, 1, 2), _sum(g, cofactor, 3, 4, 5), _sum(g, cofactor, 6, 7, 8)
+        x, y, z = (
+            product_with(g, cofactor, 0, 1, 2),
+            product_with(g, cofactor, 3, 4, 5),
+            product_with(g, cofactor, 6, 7, 8),
+        )
         for k in range(shapes.shape[0]):
             row, psi = 3 * (k * n_nodes + a), shapes[k]
             add_to(gradient, row, psi * x)
@@ -68,33 +66,33 @@ def add_stiffness(n_nodes, volume, slopes, tangent, half, stiffness):
     pair = 0
     for a in range(n_nodes):
         g = _weighted(volume, slopes, a)
-        store(half, 0, _sum(g, tangent, 9, 10, 11))
-        store(half, 1, _sum(g, tangent, 10, 18, 19))
-        store(half, 2, _sum(g, tangent, 11, 19, 26))
-        store(half, 3, _sum(g, tangent, 12, 20, 27))
-        store(half, 4, _sum(g, tangent, 13, 21, 28))
-        store(half, 5, _sum(g, tangent, 14, 22, 29))
-        store(half, 6, _sum(g, tangent, 15, 23, 30))
-        store(half, 7, _sum(g, tangent, 16, 24, 31))
-        store(half, 8, _sum(g, tangent, 17, 25, 32))
-        store(half, 9, _sum(g, tangent, 12, 13, 14))
-        store(half, 10, _sum(g, tangent, 20, 21, 22))
-        store(half, 11, _sum(g, tangent, 27, 28, 29))
-        store(half, 12, _sum(g, tangent, 33, 34, 35))
-        store(half, 13, _sum(g, tangent, 34, 39, 40))
-        store(half, 14, _sum(g, tangent, 35, 40, 44))
-        store(half, 15, _sum(g, tangent, 36, 41, 45))
-        store(half, 16, _sum(g, tangent, 37, 42, 46))
-        store(half, 17, _sum(g, tangent, 38, 43, 47))
-        store(half, 18, _sum(g, tangent, 15, 16, 17))
-        store(half, 19, _sum(g, tangent, 23, 24, 25))
-        store(half, 20, _sum(g, tangent, 30, 31, 32))
-        store(half, 21, _sum(g, tangent, 36, 37, 38))
-        store(half, 22, _sum(g, tangent, 41, 42, 43))
-        store(half, 23, _sum(g, tangent, 45, 46, 47))
-        store(half, 24, _sum(g, tangent, 48, 49, 50))
-        store(half, 25, _sum(g, tangent, 49, 51, 52))
-        store(half, 26, _sum(g, tangent, 50, 52, 53))
+        store(half, 0, product_with(g, tangent, 9, 10, 11))
+        store(half, 1, product_with(g, tangent, 10, 18, 19))
+        store(half, 2, product_with(g, tangent, 11, 19, 26))
+        store(half, 3, product_with(g, tangent, 12, 20, 27))
+        store(half, 4, product_with(g, tangent, 13, 21, 28))
+        store(half, 5, product_with(g, tangent, 14, 22, 29))
+        store(half, 6, product_with(g, tangent, 15, 23, 30))
+        store(half, 7, product_with(g, tangent, 16, 24, 31))
+        store(half, 8, product_with(g, tangent, 17, 25, 32))
+        store(half, 9, product_with(g, tangent, 12, 13, 14))
+        store(half, 10, product_with(g, tangent, 20, 21, 22))
+        store(half, 11, product_with(g, tangent, 27, 28, 29))
+        store(half, 12, product_with(g, tangent, 33, 34, 35))
+        store(half, 13, product_with(g, tangent, 34, 39, 40))
+        store(half, 14, product_with(g, tangent, 35, 40, 44))
+        store(half, 15, product_with(g, tangent, 36, 41, 45))
+        store(half, 16, product_with(g, tangent, 37, 42, 46))
+        store(half, 17, product_with(g, tangent, 38, 43, 47))
+        store(half, 18, product_with(g, tangent, 15, 16, 17))
+        store(half, 19, product_with(g, tangent, 23, 24, 25))
+        store(half, 20, product_with(g, tangent, 30, 31, 32))
+        store(half, 21, product_with(g, tangent, 36, 37, 38))
+        store(half, 22, product_with(g, tangent, 41, 42, 43))
+        store(half, 23, product_with(g, tangent, 45, 46, 47))
+        store(half, 24, product_with(g, tangent, 48, 49, 50))
+        store(half, 25, product_with(g, tangent, 49, 51, 52))
+        store(half, 26, product_with(g, tangent, 50, 52, 53))
         _add_blocks(a, n_nodes, pair, slopes, half, stiffness)
         pair += n_nodes - a
 
@@ -109,7 +107,7 @@ def add_whole_stiffness(n_nodes, volume, slopes, whole, half, stiffness):
         g = _weighted(volume, slopes, a)
         for i in range(3):
             for c in range(27 * i, 27 * i + 9):
-                store(half, c - 18 * i, _sum(g, whole, c, c + 9, c + 18))
+                store(half, c - 18 * i, product_with(g, whole, c, c + 9, c + 18))
         _add_blocks(0, n_nodes, a * n_nodes, slopes, half, stiffness)
 
 

@@ -4,7 +4,8 @@ A loop over lanes becomes vector instructions only where the compiler can tell t
 each time, and loads again after a store what it had. A vector stays in its register. Where registers are narrower than
 a row, the compiler takes several.
 
-Rows beyond the cells of a batch are worked on like the others: nobody reads them.
+Lanes without a cell are worked on like the others: nobody reads them. What is called with many fixed numbers of rows is
+made of instructions here, because a function would be compiled anew for each number.
 """
 
 from __future__ import annotations
@@ -21,12 +22,29 @@ from numba.extending import intrinsic, lower_builtin, models, register_model
 
 from myobridge.compiled import LANES
 
-__all__ = ["absolute", "add_to", "aligned", "inlined", "larger", "load", "spread", "square_root", "store"]
+__all__ = [
+    "absolute",
+    "add_to",
+    "aligned",
+    "inlined",
+    "larger",
+    "load",
+    "product_with",
+    "spread",
+    "square_root",
+    "store",
+]
 
-inlined: Any = njit(
-    error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, fastmath={"contract"}
-)
-"""Decorator: compiled into whoever calls it, with the caller's rules for sums."""
+_OPTIONS: Any = {
+    "error_model": "numpy",
+    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+inlined: Any = njit(**_OPTIONS)
+"""Decorator of what is compiled into whoever calls it."""
+_intrinsic: Any = intrinsic
 
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _WIDTH = 8 * LANES
@@ -57,7 +75,8 @@ def _spread(builder: Any, number: Any) -> Any:
 def _teach(operation: Any, instruction: str) -> None:
     """Let an operator take two vectors, or a vector and a number."""
     pairs = [(_LANES, _LANES), (_LANES, types.float64), (types.float64, _LANES)]
-    infer_global(operation)(
+    known: Any = infer_global
+    known(operation)(
         type(f"_{instruction}", (ConcreteTemplate,), {"cases": [signature(_LANES, *pair) for pair in pairs]})
     )
 
@@ -80,25 +99,29 @@ def _call(name: str, builder: Any, *given: Any) -> Any:
     return builder.call(cgutils.get_or_insert_function(builder.module, function, mangled), given)
 
 
+def _read(builder: Any, place: Any) -> Any:
+    found = builder.load(place)
+    found.align = 8
+    return found
+
+
 def _place(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
     data = context.make_array(array_type)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [builder.mul(row, row.type(LANES))]), _VECTOR.as_pointer())
 
 
-@intrinsic
+@_intrinsic
 def load(_typing: Any, array: Any, row: Any) -> Any:
     """A row of a flat array."""
 
     def lowered(context: Any, builder: Any, asked: Any, given: Any) -> Any:
-        found = builder.load(_place(context, builder, asked.args[0], *given))
-        found.align = 8
-        return found
+        return _read(builder, _place(context, builder, asked.args[0], *given))
 
     del row
     return signature(_LANES, array, types.intp), lowered
 
 
-@intrinsic
+@_intrinsic
 def store(_typing: Any, array: Any, row: Any, vector: Any) -> Any:
     """Write a row of a flat array."""
 
@@ -110,28 +133,57 @@ def store(_typing: Any, array: Any, row: Any, vector: Any) -> Any:
     return signature(types.void, array, types.intp, _LANES), lowered
 
 
-@intrinsic
+@_intrinsic
+def add_to(_typing: Any, array: Any, row: Any, vector: Any) -> Any:
+    """Add to a row of a flat array."""
+
+    def lowered(context: Any, builder: Any, asked: Any, given: Any) -> Any:
+        place = _place(context, builder, asked.args[0], *given[:2])
+        builder.store(builder.fadd(_read(builder, place), given[2]), place).align = 8
+        return context.get_dummy_value()
+
+    del row, vector
+    return signature(types.void, array, types.intp, _LANES), lowered
+
+
+@_intrinsic
+def product_with(_typing: Any, vectors: Any, array: Any, i: Any, j: Any, k: Any) -> Any:
+    """Scalar product of three vectors with the rows i, j and k of a flat array."""
+
+    def lowered(context: Any, builder: Any, asked: Any, given: Any) -> Any:
+        found = None
+        for number, row in enumerate(given[2:]):
+            entry = _read(builder, _place(context, builder, asked.args[1], given[1], row))
+            term = builder.fmul(builder.extract_value(given[0], number), entry)
+            found = term if found is None else builder.fadd(found, term)
+        return found
+
+    del i, j, k
+    return signature(_LANES, vectors, array, *(types.intp,) * 3), lowered
+
+
+@_intrinsic
 def spread(_typing: Any, number: Any) -> Any:
     """A number in all lanes."""
     del number
     return signature(_LANES, types.float64), lambda _context, builder, _types, given: _spread(builder, given[0])
 
 
-@intrinsic
+@_intrinsic
 def square_root(_typing: Any, vector: Any) -> Any:
     """Square root of every lane."""
     del vector
     return signature(_LANES, _LANES), lambda _context, builder, _types, given: _call("sqrt", builder, *given)
 
 
-@intrinsic
+@_intrinsic
 def absolute(_typing: Any, vector: Any) -> Any:
     """Absolute value of every lane."""
     del vector
     return signature(_LANES, _LANES), lambda _context, builder, _types, given: _call("fabs", builder, *given)
 
 
-@intrinsic
+@_intrinsic
 def larger(_typing: Any, first: Any, second: Any) -> Any:
     """The larger number of every lane; the second where one is not a number."""
     del first, second
@@ -142,19 +194,13 @@ def larger(_typing: Any, first: Any, second: Any) -> Any:
     return signature(_LANES, _LANES, _LANES), lowered
 
 
-@intrinsic
+@_intrinsic
 def _address(_typing: Any, array: Any) -> Any:
     def lowered(context: Any, builder: Any, asked: Any, given: Any) -> Any:
         data = context.make_array(asked.args[0])(context, builder, given[0]).data
         return builder.ptrtoint(data, ir.IntType(64))
 
     return signature(types.intp, array), lowered
-
-
-@inlined
-def add_to(array, row, vector):
-    """Add to a row of a flat array."""
-    store(array, row, load(array, row) + vector)
 
 
 @inlined
