@@ -19,15 +19,19 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import njit, types
 
 from myobridge.compiled import LANES
-from myobridge_plugins.macro_solid.finite_element.contraction_kernels import add_constraint, add_force, add_stiffness
+from myobridge_plugins.macro_solid.finite_element.contraction_kernels import (
+    add_constraint,
+    add_dilation,
+    add_force,
+    add_stiffness,
+)
 from myobridge_plugins.macro_solid.finite_element.element_kernels import (
-    add_deformation,
+    deformation,
     gather,
-    identity,
+    gather_scalars,
     shape_gradients,
     volume_and_inverse,
 )
@@ -41,7 +45,8 @@ from myobridge_plugins.macro_solid.finite_element.kernel_types import (
     TOUCHED,
     VECTOR,
 )
-from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS, add_stress, add_tangent
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import add_to, aligned, load, spread, store
+from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS, add_stress, add_tangent, raise_peak
 from myobridge_plugins.macro_solid.finite_element.scatter_kernels import scatter_gradient, scatter_stiffness
 
 __all__ = ["assemble"]
@@ -104,62 +109,57 @@ def assemble(
     """
     n_nodes, n_multipliers, n_q = nodes.shape[1], multipliers.shape[1], weights.shape[0]
     n_pairs = n_nodes * (n_nodes + 1) // 2
-    local = np.empty(3 * n_nodes * _L)
-    gradients = np.empty(3 * n_nodes * _L)
-    inverse, volume, at = np.empty(9 * _L), np.empty(_L), np.empty(_L)
-    state, out, extra, half = np.empty(15 * _L), np.empty(54 * _L), np.empty(14 * _L), np.empty(27 * _L)
-    local_force = np.empty(3 * n_nodes * _L)
-    local_constraint = np.empty((n_multipliers + 1) * _L)
-    local_stiffness = np.empty(9 * n_pairs * _L if with_tangent else 1)
-    local_gradient = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
+    local, local_pressure = aligned(3 * n_nodes), aligned(n_multipliers)
+    gradients = aligned(3 * n_nodes)
+    inverse, volume, at, peak = aligned(9), aligned(1), aligned(1), aligned(1)
+    state, out, extra, half = aligned(15), aligned(54), aligned(14), aligned(27)
+    local_force, local_constraint = aligned(3 * n_nodes), aligned(n_multipliers)
+    local_stiffness = aligned(9 * n_pairs if with_tangent else 0)
+    local_gradient = aligned(3 * n_multipliers * n_nodes if with_tangent else 0)
+    state[:] = 0.0
+    out[:] = 0.0
     for block in range(first, last):
         top = 0.0
         for batch in range(blocks[block, 0], blocks[block, 1]):
             n = sizes[batch]
             touched = nodes[batch]
-            gather(n, dimension, n_nodes, touched, displacement, local)
+            gather(dimension, n_nodes, touched, displacement, local)
+            gather_scalars(multipliers[batch], pressure, local_pressure)
             local_force[:] = 0.0
             local_constraint[:] = 0.0
             local_stiffness[:] = 0.0
             local_gradient[:] = 0.0
+            peak[:] = 0.0
             for q in range(n_q):
                 if q == 0 or not affine:
-                    volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-                shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-                identity(n, state)
-                add_deformation(n, n_nodes, local, gradients, state)
+                    volume_and_inverse(dimension, map_slopes[q], corners[batch], inverse, volume)
+                shape_gradients(n_nodes, slopes[q], inverse, gradients)
+                deformation(1.0, n_nodes, local, gradients, state)
                 point = starts[batch] + q * n
                 for lane in range(n):
                     state[9 * _L + lane] = fibre[0, point + lane]
                     state[10 * _L + lane] = fibre[1, point + lane]
                     state[11 * _L + lane] = fibre[2, point + lane]
-                    state[12 * _L + lane] = 0.0
                     state[13 * _L + lane] = tension[point + lane]
                     state[14 * _L + lane] = stiffness[point + lane]
+                store(state, 12, spread(0.0))
                 for k in range(n_multipliers):
-                    for lane in range(n):
-                        state[12 * _L + lane] += shapes[q, k] * pressure[multipliers[batch, k, lane]]
+                    add_to(state, 12, shapes[q, k] * load(local_pressure, k))
                 if passive:
                     tangent_law(n, state, out, constants)
                 else:
                     out[:] = 0.0
-                add_stress(n, state, extra, out)
-                for lane in range(n):
-                    at[lane] = weights[q] * volume[lane]
-                for row in range(9):
-                    for lane in range(n):
-                        top = max(top, abs(out[row * _L + lane]))
-                add_force(n, n_nodes, at, gradients, out, local_force)
-                for k in range(n_multipliers):
-                    for lane in range(n):
-                        change = shapes[q, k] * at[lane] * (extra[9 * _L + lane] - 1.0)
-                        local_constraint[k * _L + lane] += change
+                add_stress(state, extra, out)
+                raise_peak(out, peak)
+                store(at, 0, weights[q] * load(volume, 0))
+                add_force(n_nodes, at, gradients, out, local_force)
+                add_dilation(at, shapes[q], extra[9 * _L :], local_constraint)
                 if with_tangent:
-                    add_tangent(n, state, extra, out)
-                    add_stiffness(n, n_nodes, at, gradients, out, half, local_stiffness)
-                    if n_multipliers > 0:
-                        add_constraint(n, n_nodes, n_multipliers, at, gradients, shapes[q], extra, half, local_gradient)
+                    add_tangent(state, extra, out)
+                    add_stiffness(n_nodes, at, gradients, out, half, local_stiffness)
+                    add_constraint(n_nodes, at, gradients, shapes[q], extra, local_gradient)
             for lane in range(n):
+                top = max(top, peak[lane])
                 for a in range(n_nodes):
                     for i in range(dimension):
                         force[dimension * touched[a, lane] + i] += local_force[(3 * a + i) * _L + lane]

@@ -4,204 +4,136 @@ r"""Contraction of stress and tangent with the gradients of the shape functions,
           B_{kai} = \int \psi_k\,\mathrm{cof} F_{iJ}\,G_{aJ}
 
 Rows of `LANES` numbers. Node `a` has its gradient in rows ``3 a + J``; the pair of nodes (a, b), a <= b, has its block
-in rows ``9 pair + 3 i + k``. The first step of K, :math:`w\,G_{aJ} A_{iJkL}`, is kept in 27 rows for all `b`.
+in rows ``9 pair + 3 i + k``. The first step of K, :math:`w\,G_{aJ} A_{iJkL}`, is 27 vectors that stay in registers for
+all `b`: what is written out is the 32 registers of the machine.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from myobridge.compiled import LANES
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import add_to, inlined, load, product_with, store
 from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER
 
-__all__ = ["add_constraint", "add_force", "add_stiffness", "add_whole_stiffness"]
+__all__ = ["add_constraint", "add_dilation", "add_force", "add_stiffness", "add_whole_stiffness"]
 
-_L = LANES
+
+@inlined
+def _weighted(volume, slopes, a):
+    """Gradient of a node times the volume."""
+    w = load(volume, 0)
+    return w * load(slopes, 3 * a), w * load(slopes, 3 * a + 1), w * load(slopes, 3 * a + 2)
 
 
 @njit(**INNER)
-def add_force(n, n_nodes, volume, slopes, stress, force):
+def add_force(n_nodes, volume, slopes, stress, force):
     """Add ``P G`` of every node to rows ``3 a + i`` of `force`."""
     for a in range(n_nodes):
-        g = slopes[3 * a * _L : (3 * a + 3) * _L]
-        f = force[3 * a * _L : (3 * a + 3) * _L]
-        for lane in range(n):
-            x = volume[lane] * g[lane]
-            y = volume[lane] * g[_L + lane]
-            z = volume[lane] * g[2 * _L + lane]
-            f[0 * _L + lane] += x * stress[0 * _L + lane] + y * stress[1 * _L + lane] + z * stress[2 * _L + lane]
-            f[1 * _L + lane] += x * stress[3 * _L + lane] + y * stress[4 * _L + lane] + z * stress[5 * _L + lane]
-            f[2 * _L + lane] += x * stress[6 * _L + lane] + y * stress[7 * _L + lane] + z * stress[8 * _L + lane]
+        g = _weighted(volume, slopes, a)
+        add_to(force, 3 * a, product_with(g, stress, 0, 1, 2))
+        add_to(force, 3 * a + 1, product_with(g, stress, 3, 4, 5))
+        add_to(force, 3 * a + 2, product_with(g, stress, 6, 7, 8))
 
 
 @njit(**INNER)
-def add_constraint(n, n_nodes, n_multipliers, volume, slopes, shapes, extra, half, gradient):
-    """Add ``psi cof F G`` to rows ``3 (k n_nodes + a) + i`` of `gradient`; `half` is scratch of 3 rows."""
+def add_dilation(volume, shapes, jacobian, constraint):
+    """Add ``psi (J - 1)`` to the row of every multiplier."""
+    change = load(volume, 0) * (load(jacobian, 0) - 1.0)
+    for k in range(shapes.shape[0]):
+        add_to(constraint, k, shapes[k] * change)
+
+
+@njit(**INNER)
+def add_constraint(n_nodes, volume, slopes, shapes, cofactor, gradient):
+    """Add ``psi cof F G`` to rows ``3 (k n_nodes + a) + i`` of `gradient`."""
     for a in range(n_nodes):
-        g = slopes[3 * a * _L : (3 * a + 3) * _L]
-        for lane in range(n):
-            x = volume[lane] * g[lane]
-            y = volume[lane] * g[_L + lane]
-            z = volume[lane] * g[2 * _L + lane]
-            half[0 * _L + lane] = x * extra[0 * _L + lane] + y * extra[1 * _L + lane] + z * extra[2 * _L + lane]
-            half[1 * _L + lane] = x * extra[3 * _L + lane] + y * extra[4 * _L + lane] + z * extra[5 * _L + lane]
-            half[2 * _L + lane] = x * extra[6 * _L + lane] + y * extra[7 * _L + lane] + z * extra[8 * _L + lane]
-        for k in range(n_multipliers):
-            psi = shapes[k]
-            row = 3 * (k * n_nodes + a) * _L
-            b = gradient[row : row + 3 * _L]
-            for lane in range(n):
-                b[0 * _L + lane] += psi * half[0 * _L + lane]
-                b[1 * _L + lane] += psi * half[1 * _L + lane]
-                b[2 * _L + lane] += psi * half[2 * _L + lane]
+        g = _weighted(volume, slopes, a)
+        x, y, z = (
+            product_with(g, cofactor, 0, 1, 2),
+            product_with(g, cofactor, 3, 4, 5),
+            product_with(g, cofactor, 6, 7, 8),
+        )
+        for k in range(shapes.shape[0]):
+            row, psi = 3 * (k * n_nodes + a), shapes[k]
+            add_to(gradient, row, psi * x)
+            add_to(gradient, row + 1, psi * y)
+            add_to(gradient, row + 2, psi * z)
 
 
 @njit(**INNER)
-def add_stiffness(n, n_nodes, volume, slopes, tangent, half, stiffness):
+def add_stiffness(n_nodes, volume, slopes, tangent, half, stiffness):
     """Add ``G A G`` of every pair of nodes a <= b to the blocks of `stiffness`; `half` is scratch of 27 rows."""
     pair = 0
     for a in range(n_nodes):
-        g = slopes[3 * a * _L : (3 * a + 3) * _L]
-        for lane in range(n):
-            x = volume[lane] * g[lane]
-            y = volume[lane] * g[_L + lane]
-            z = volume[lane] * g[2 * _L + lane]
-            half[0 * _L + lane] = x * tangent[9 * _L + lane] + y * tangent[10 * _L + lane] + z * tangent[11 * _L + lane]
-            half[1 * _L + lane] = (
-                x * tangent[10 * _L + lane] + y * tangent[18 * _L + lane] + z * tangent[19 * _L + lane]
-            )
-            half[2 * _L + lane] = (
-                x * tangent[11 * _L + lane] + y * tangent[19 * _L + lane] + z * tangent[26 * _L + lane]
-            )
-            half[3 * _L + lane] = (
-                x * tangent[12 * _L + lane] + y * tangent[20 * _L + lane] + z * tangent[27 * _L + lane]
-            )
-            half[4 * _L + lane] = (
-                x * tangent[13 * _L + lane] + y * tangent[21 * _L + lane] + z * tangent[28 * _L + lane]
-            )
-            half[5 * _L + lane] = (
-                x * tangent[14 * _L + lane] + y * tangent[22 * _L + lane] + z * tangent[29 * _L + lane]
-            )
-            half[6 * _L + lane] = (
-                x * tangent[15 * _L + lane] + y * tangent[23 * _L + lane] + z * tangent[30 * _L + lane]
-            )
-            half[7 * _L + lane] = (
-                x * tangent[16 * _L + lane] + y * tangent[24 * _L + lane] + z * tangent[31 * _L + lane]
-            )
-            half[8 * _L + lane] = (
-                x * tangent[17 * _L + lane] + y * tangent[25 * _L + lane] + z * tangent[32 * _L + lane]
-            )
-            half[9 * _L + lane] = (
-                x * tangent[12 * _L + lane] + y * tangent[13 * _L + lane] + z * tangent[14 * _L + lane]
-            )
-            half[10 * _L + lane] = (
-                x * tangent[20 * _L + lane] + y * tangent[21 * _L + lane] + z * tangent[22 * _L + lane]
-            )
-            half[11 * _L + lane] = (
-                x * tangent[27 * _L + lane] + y * tangent[28 * _L + lane] + z * tangent[29 * _L + lane]
-            )
-            half[12 * _L + lane] = (
-                x * tangent[33 * _L + lane] + y * tangent[34 * _L + lane] + z * tangent[35 * _L + lane]
-            )
-            half[13 * _L + lane] = (
-                x * tangent[34 * _L + lane] + y * tangent[39 * _L + lane] + z * tangent[40 * _L + lane]
-            )
-            half[14 * _L + lane] = (
-                x * tangent[35 * _L + lane] + y * tangent[40 * _L + lane] + z * tangent[44 * _L + lane]
-            )
-            half[15 * _L + lane] = (
-                x * tangent[36 * _L + lane] + y * tangent[41 * _L + lane] + z * tangent[45 * _L + lane]
-            )
-            half[16 * _L + lane] = (
-                x * tangent[37 * _L + lane] + y * tangent[42 * _L + lane] + z * tangent[46 * _L + lane]
-            )
-            half[17 * _L + lane] = (
-                x * tangent[38 * _L + lane] + y * tangent[43 * _L + lane] + z * tangent[47 * _L + lane]
-            )
-            half[18 * _L + lane] = (
-                x * tangent[15 * _L + lane] + y * tangent[16 * _L + lane] + z * tangent[17 * _L + lane]
-            )
-            half[19 * _L + lane] = (
-                x * tangent[23 * _L + lane] + y * tangent[24 * _L + lane] + z * tangent[25 * _L + lane]
-            )
-            half[20 * _L + lane] = (
-                x * tangent[30 * _L + lane] + y * tangent[31 * _L + lane] + z * tangent[32 * _L + lane]
-            )
-            half[21 * _L + lane] = (
-                x * tangent[36 * _L + lane] + y * tangent[37 * _L + lane] + z * tangent[38 * _L + lane]
-            )
-            half[22 * _L + lane] = (
-                x * tangent[41 * _L + lane] + y * tangent[42 * _L + lane] + z * tangent[43 * _L + lane]
-            )
-            half[23 * _L + lane] = (
-                x * tangent[45 * _L + lane] + y * tangent[46 * _L + lane] + z * tangent[47 * _L + lane]
-            )
-            half[24 * _L + lane] = (
-                x * tangent[48 * _L + lane] + y * tangent[49 * _L + lane] + z * tangent[50 * _L + lane]
-            )
-            half[25 * _L + lane] = (
-                x * tangent[49 * _L + lane] + y * tangent[51 * _L + lane] + z * tangent[52 * _L + lane]
-            )
-            half[26 * _L + lane] = (
-                x * tangent[50 * _L + lane] + y * tangent[52 * _L + lane] + z * tangent[53 * _L + lane]
-            )
-        for b in range(a, n_nodes):
-            h = slopes[3 * b * _L : (3 * b + 3) * _L]
-            block = stiffness[9 * pair * _L : (9 * pair + 9) * _L]
-            for lane in range(n):
-                x = h[lane]
-                y = h[_L + lane]
-                z = h[2 * _L + lane]
-                k00 = x * half[0 * _L + lane] + y * half[1 * _L + lane] + z * half[2 * _L + lane]
-                k01 = x * half[3 * _L + lane] + y * half[4 * _L + lane] + z * half[5 * _L + lane]
-                k02 = x * half[6 * _L + lane] + y * half[7 * _L + lane] + z * half[8 * _L + lane]
-                k10 = x * half[9 * _L + lane] + y * half[10 * _L + lane] + z * half[11 * _L + lane]
-                k11 = x * half[12 * _L + lane] + y * half[13 * _L + lane] + z * half[14 * _L + lane]
-                k12 = x * half[15 * _L + lane] + y * half[16 * _L + lane] + z * half[17 * _L + lane]
-                k20 = x * half[18 * _L + lane] + y * half[19 * _L + lane] + z * half[20 * _L + lane]
-                k21 = x * half[21 * _L + lane] + y * half[22 * _L + lane] + z * half[23 * _L + lane]
-                k22 = x * half[24 * _L + lane] + y * half[25 * _L + lane] + z * half[26 * _L + lane]
-                block[0 * _L + lane] += k00
-                block[1 * _L + lane] += k01
-                block[2 * _L + lane] += k02
-                block[3 * _L + lane] += k10
-                block[4 * _L + lane] += k11
-                block[5 * _L + lane] += k12
-                block[6 * _L + lane] += k20
-                block[7 * _L + lane] += k21
-                block[8 * _L + lane] += k22
-            pair += 1
+        g = _weighted(volume, slopes, a)
+        store(half, 0, product_with(g, tangent, 9, 10, 11))
+        store(half, 1, product_with(g, tangent, 10, 18, 19))
+        store(half, 2, product_with(g, tangent, 11, 19, 26))
+        store(half, 3, product_with(g, tangent, 12, 20, 27))
+        store(half, 4, product_with(g, tangent, 13, 21, 28))
+        store(half, 5, product_with(g, tangent, 14, 22, 29))
+        store(half, 6, product_with(g, tangent, 15, 23, 30))
+        store(half, 7, product_with(g, tangent, 16, 24, 31))
+        store(half, 8, product_with(g, tangent, 17, 25, 32))
+        store(half, 9, product_with(g, tangent, 12, 13, 14))
+        store(half, 10, product_with(g, tangent, 20, 21, 22))
+        store(half, 11, product_with(g, tangent, 27, 28, 29))
+        store(half, 12, product_with(g, tangent, 33, 34, 35))
+        store(half, 13, product_with(g, tangent, 34, 39, 40))
+        store(half, 14, product_with(g, tangent, 35, 40, 44))
+        store(half, 15, product_with(g, tangent, 36, 41, 45))
+        store(half, 16, product_with(g, tangent, 37, 42, 46))
+        store(half, 17, product_with(g, tangent, 38, 43, 47))
+        store(half, 18, product_with(g, tangent, 15, 16, 17))
+        store(half, 19, product_with(g, tangent, 23, 24, 25))
+        store(half, 20, product_with(g, tangent, 30, 31, 32))
+        store(half, 21, product_with(g, tangent, 36, 37, 38))
+        store(half, 22, product_with(g, tangent, 41, 42, 43))
+        store(half, 23, product_with(g, tangent, 45, 46, 47))
+        store(half, 24, product_with(g, tangent, 48, 49, 50))
+        store(half, 25, product_with(g, tangent, 49, 51, 52))
+        store(half, 26, product_with(g, tangent, 50, 52, 53))
+        _add_blocks(a, n_nodes, pair, slopes, half, stiffness)
+        pair += n_nodes - a
 
 
 @njit(**INNER)
-def add_whole_stiffness(n, n_nodes, volume, slopes, whole, half, stiffness):
+def add_whole_stiffness(n_nodes, volume, slopes, whole, half, stiffness):
     """Add ``G A G`` of every pair of nodes where A has no symmetry: all 81 entries in, all pairs ``a n_nodes + b`` out.
 
     Row ``9 (3 i + J) + 3 k + L`` of `whole` has A; `half` is scratch of 27 rows.
     """
     for a in range(n_nodes):
-        g = slopes[3 * a * _L : (3 * a + 3) * _L]
+        g = _weighted(volume, slopes, a)
         for i in range(3):
-            for c in range(9):
-                row = (27 * i + c) * _L
-                first, second, third = whole[row : row + _L], whole[row + 9 * _L :], whole[row + 18 * _L :]
-                found = half[(9 * i + c) * _L : (9 * i + c + 1) * _L]
-                for lane in range(n):
-                    sum_ = g[lane] * first[lane] + g[_L + lane] * second[lane] + g[2 * _L + lane] * third[lane]
-                    found[lane] = volume[lane] * sum_
-        for b in range(n_nodes):
-            h = slopes[3 * b * _L : (3 * b + 3) * _L]
-            pair = a * n_nodes + b
-            for i in range(3):
-                block = stiffness[(9 * pair + 3 * i) * _L : (9 * pair + 3 * i + 3) * _L]
-                rows = half[9 * i * _L : (9 * i + 9) * _L]
-                for lane in range(n):
-                    x = h[lane]
-                    y = h[_L + lane]
-                    z = h[2 * _L + lane]
-                    k0 = x * rows[0 * _L + lane] + y * rows[1 * _L + lane] + z * rows[2 * _L + lane]
-                    k1 = x * rows[3 * _L + lane] + y * rows[4 * _L + lane] + z * rows[5 * _L + lane]
-                    k2 = x * rows[6 * _L + lane] + y * rows[7 * _L + lane] + z * rows[8 * _L + lane]
-                    block[0 * _L + lane] += k0
-                    block[1 * _L + lane] += k1
-                    block[2 * _L + lane] += k2
+            for c in range(27 * i, 27 * i + 9):
+                store(half, c - 18 * i, product_with(g, whole, c, c + 9, c + 18))
+        _add_blocks(0, n_nodes, a * n_nodes, slopes, half, stiffness)
+
+
+@njit(**INNER)
+def _add_blocks(first, last, pair, slopes, half, stiffness):
+    """Second step of K for one `a` and the nodes b from `first` to before `last`; the blocks begin at `pair`."""
+    h0, h1, h2 = _nine(half, 0), _nine(half, 9), _nine(half, 18)
+    for b in range(first, last):
+        g = load(slopes, 3 * b), load(slopes, 3 * b + 1), load(slopes, 3 * b + 2)
+        _add_row(g, h0, stiffness, 9 * pair)
+        _add_row(g, h1, stiffness, 9 * pair + 3)
+        _add_row(g, h2, stiffness, 9 * pair + 6)
+        pair += 1
+
+
+@inlined
+def _nine(rows, at):
+    return (
+        *(load(rows, at), load(rows, at + 1), load(rows, at + 2)),
+        *(load(rows, at + 3), load(rows, at + 4), load(rows, at + 5)),
+        *(load(rows, at + 6), load(rows, at + 7), load(rows, at + 8)),
+    )
+
+
+@inlined
+def _add_row(g, h, stiffness, row):
+    add_to(stiffness, row, g[0] * h[0] + g[1] * h[1] + g[2] * h[2])
+    add_to(stiffness, row + 1, g[0] * h[3] + g[1] * h[4] + g[2] * h[5])
+    add_to(stiffness, row + 2, g[0] * h[6] + g[1] * h[7] + g[2] * h[8])

@@ -7,18 +7,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import njit, types
 
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.element_kernels import (
-    add_deformation,
+    deformation,
     gather,
-    identity,
     shape_gradients,
     volume_and_inverse,
 )
 from myobridge_plugins.macro_solid.finite_element.kernel_types import CELLS, INDEX, LAW, VECTOR
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import aligned
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
 
 __all__ = ["energies"]
@@ -51,20 +50,18 @@ def energies(
 ):
     """Passive energy [J] of each of the given `batches` from place `first` to before `last`."""
     n_nodes, n_q = nodes.shape[1], weights.shape[0]
-    local, gradients = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
-    inverse, volume = np.empty(9 * _L), np.empty(_L)
-    state, out = np.empty(15 * _L), np.empty(_L)
+    local, gradients = aligned(3 * n_nodes), aligned(3 * n_nodes)
+    inverse, volume, state, out = aligned(9), aligned(1), aligned(15), aligned(1)
     for index in range(first, last):
         batch = batches[index]
         n = sizes[batch]
-        gather(n, dimension, n_nodes, nodes[batch], displacement, local)
+        gather(dimension, n_nodes, nodes[batch], displacement, local)
         total = 0.0
         for q in range(n_q):
             if q == 0 or not affine:
-                volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-            shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-            identity(n, state)
-            add_deformation(n, n_nodes, local, gradients, state)
+                volume_and_inverse(dimension, map_slopes[q], corners[batch], inverse, volume)
+            shape_gradients(n_nodes, slopes[q], inverse, gradients)
+            deformation(1.0, n_nodes, local, gradients, state)
             for lane in range(n):
                 for J in range(3):
                     state[(9 + J) * _L + lane] = fibre[J, starts[batch] + q * n + lane]

@@ -8,18 +8,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
 from numba import njit, types
 
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.element_kernels import (
-    add_deformation,
+    deformation,
     gather,
-    identity,
     shape_gradients,
     volume_and_inverse,
 )
 from myobridge_plugins.macro_solid.finite_element.kernel_types import CELLS, VECTOR
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import aligned
 from myobridge_plugins.macro_solid.finite_element.point_kernels import OPTIONS
 
 __all__ = ["kinematics"]
@@ -53,24 +52,21 @@ def kinematics(
 ):
     """Fibre stretch [-], its rate [1/s] where `with_rate`, and J = det F [-] at the points of a range of batches."""
     n_nodes, n_q = nodes.shape[1], weights.shape[0]
-    local, moving = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
-    gradients = np.empty(3 * n_nodes * _L)
-    inverse, volume = np.empty(9 * _L), np.empty(_L)
-    state, change = np.empty(9 * _L), np.zeros(9 * _L)
+    local, moving, gradients = aligned(3 * n_nodes), aligned(3 * n_nodes), aligned(3 * n_nodes)
+    inverse, volume, state, change = aligned(9), aligned(1), aligned(9), aligned(9)
+    change[:] = 0.0
     for batch in range(first, last):
         n = sizes[batch]
-        gather(n, dimension, n_nodes, nodes[batch], displacement, local)
+        gather(dimension, n_nodes, nodes[batch], displacement, local)
         if with_rate:
-            gather(n, dimension, n_nodes, nodes[batch], velocity, moving)
+            gather(dimension, n_nodes, nodes[batch], velocity, moving)
         for q in range(n_q):
             if q == 0 or not affine:
-                volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-            shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-            identity(n, state)
-            add_deformation(n, n_nodes, local, gradients, state)
+                volume_and_inverse(dimension, map_slopes[q], corners[batch], inverse, volume)
+            shape_gradients(n_nodes, slopes[q], inverse, gradients)
+            deformation(1.0, n_nodes, local, gradients, state)
             if with_rate:
-                change[:] = 0.0
-                add_deformation(n, n_nodes, moving, gradients, change)
+                deformation(0.0, n_nodes, moving, gradients, change)
             point = starts[batch] + q * n
             for lane in range(n):
                 square, power = 0.0, 0.0

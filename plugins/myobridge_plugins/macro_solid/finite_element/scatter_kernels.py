@@ -14,12 +14,13 @@ from numba import njit
 
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS
+from myobridge_plugins.macro_solid.finite_element.triples import add_three
 
 __all__ = ["scatter_gradient", "scatter_stiffness", "scatter_whole_stiffness"]
 
 _U = np.uint64
 _ROW = tuple(_U(row * LANES) for row in range(9))
-_ONE, _TWO, _BLOCK = _U(1), _U(2), _U(9 * LANES)
+_ONE, _BLOCK = _U(1), _U(9 * LANES)
 
 
 @njit(**INNER)
@@ -81,17 +82,15 @@ def scatter_whole_stiffness(n, dimension, n_nodes, nodes, lengths, rows, places,
 def _add(data, at, length, dimension, k00, k01, k02, k10, k11, k12, k20, k21, k22):
     """Add a block to `dimension` rows of the given length."""
     down = at + length
-    data[at] += k00
-    data[at + _ONE] += k01
-    data[down] += k10
-    data[down + _ONE] += k11
     if dimension == 3:
-        below = down + length
-        data[at + _TWO] += k02
-        data[down + _TWO] += k12
-        data[below] += k20
-        data[below + _ONE] += k21
-        data[below + _TWO] += k22
+        add_three(data, at, k00, k01, k02)
+        add_three(data, down, k10, k11, k12)
+        add_three(data, down + length, k20, k21, k22)
+    else:
+        data[at] += k00
+        data[at + _ONE] += k01
+        data[down] += k10
+        data[down + _ONE] += k11
 
 
 @njit(**INNER)
@@ -121,11 +120,8 @@ def scatter_gradient(
                 pair = k * n_nodes + a
                 at = _U(3 * pair * LANES + lane)
                 here = _U(start + places[pair, lane])
-                if lengths[nodes[a, lane]] > 0:
-                    data[here] += local[at]
-                    data[here + _ONE] += local[at + _ROW[1]]
-                    if dimension == 3:
-                        data[here + _TWO] += local[at + _ROW[2]]
+                if dimension == 3 and lengths[nodes[a, lane]] > 0:
+                    add_three(data, here, local[at], local[at + _ROW[1]], local[at + _ROW[2]])
                 else:
                     for i in range(dimension):
                         if rows[dimension * nodes[a, lane] + i] >= 0:

@@ -15,13 +15,13 @@ from numba import njit, types
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.contraction_kernels import (
     add_constraint,
+    add_dilation,
     add_force,
     add_whole_stiffness,
 )
 from myobridge_plugins.macro_solid.finite_element.element_kernels import (
-    add_deformation,
+    deformation,
     gather,
-    identity,
     shape_gradients,
     volume_and_inverse,
 )
@@ -35,7 +35,8 @@ from myobridge_plugins.macro_solid.finite_element.kernel_types import (
     TOUCHED,
     VECTOR,
 )
-from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import aligned, load, store
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS, raise_peak
 from myobridge_plugins.macro_solid.finite_element.scatter_kernels import scatter_gradient, scatter_whole_stiffness
 from myobridge_plugins.macro_solid.finite_element.step_moduli_kernels import (
     add_correction_moduli,
@@ -134,40 +135,39 @@ def assemble_step(
     the corrections [Pa^2 m^3], and the volume [m^3].
     """
     n_nodes, n_multipliers, n_q = nodes.shape[1], multipliers.shape[1], weights.shape[0]
-    local, change = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
-    gradients = np.empty(3 * n_nodes * _L)
-    inverse, volume, at = np.empty(9 * _L), np.empty(_L), np.empty(_L)
-    start, end, first, second = np.empty(15 * _L), np.empty(15 * _L), np.empty(15 * _L), np.empty(15 * _L)
-    early, late, out = np.empty(54 * _L), np.empty(54 * _L), np.empty(54 * _L)
-    kept, half = np.empty(KEPT * _L), np.empty(63 * _L)
-    before, after = np.empty(_L), np.empty(_L)
-    moduli, whole = np.empty(36 * _L), np.empty(81 * _L)
-    volumes = np.empty(18 * _L)
-    local_force = np.empty(3 * n_nodes * _L)
-    local_constraint = np.empty((n_multipliers + 1) * _L)
-    local_stiffness = np.empty(9 * n_nodes * n_nodes * _L if with_tangent else 1)
-    local_gradient = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
-    local_acting = np.empty(3 * (n_multipliers * n_nodes + 1) * _L if with_tangent else 1)
+    local, change = aligned(3 * n_nodes), aligned(3 * n_nodes)
+    gradients = aligned(3 * n_nodes)
+    inverse, volume, at, peak = aligned(9), aligned(1), aligned(1), aligned(1)
+    start, end, first, second = aligned(15), aligned(15), aligned(15), aligned(15)
+    early, late, out = aligned(54), aligned(54), aligned(54)
+    kept, half = aligned(KEPT), aligned(63)
+    before, after = aligned(1), aligned(1)
+    moduli, whole = aligned(36), aligned(81)
+    volumes = aligned(18)
+    local_force = aligned(3 * n_nodes)
+    local_constraint = aligned(n_multipliers)
+    local_stiffness = aligned(9 * n_nodes * n_nodes if with_tangent else 0)
+    local_gradient = aligned(3 * n_multipliers * n_nodes if with_tangent else 0)
+    local_acting = aligned(3 * n_multipliers * n_nodes if with_tangent else 0)
     for block in range(first_block, last_block):
         top, lost, rough, whole_volume = 0.0, 0.0, 0.0, 0.0
         for batch in range(blocks[block, 0], blocks[block, 1]):
             n = sizes[batch]
             touched = nodes[batch]
-            gather(n, dimension, n_nodes, touched, displacement, local)
-            gather(n, dimension, n_nodes, touched, moved, change)
+            gather(dimension, n_nodes, touched, displacement, local)
+            gather(dimension, n_nodes, touched, moved, change)
             local_force[:] = 0.0
+            peak[:] = 0.0
             local_constraint[:] = 0.0
             local_stiffness[:] = 0.0
             local_gradient[:] = 0.0
             local_acting[:] = 0.0
             for q in range(n_q):
                 if q == 0 or not affine:
-                    volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-                shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-                identity(n, start)
-                add_deformation(n, n_nodes, local, gradients, start)
-                end[: 9 * _L] = 0.0
-                add_deformation(n, n_nodes, change, gradients, end)
+                    volume_and_inverse(dimension, map_slopes[q], corners[batch], inverse, volume)
+                shape_gradients(n_nodes, slopes[q], inverse, gradients)
+                deformation(1.0, n_nodes, local, gradients, start)
+                deformation(0.0, n_nodes, change, gradients, end)
                 point = starts[batch] + q * n
                 _fill(
                     *(n, point, fibre, tension, slope, shapes[q], multipliers[batch], pressure),
@@ -182,18 +182,14 @@ def assemble_step(
                     energy(n, end, after, constants)
                     correct(n, modulus, before, after, kept)
                 step_stress(n, drag, start, kept, out)
+                store(at, 0, weights[q] * load(volume, 0))
                 for lane in range(n):
-                    at[lane] = weights[q] * volume[lane]
                     lost += at[lane] * drag * kept[27 * _L + lane]
                     rough += at[lane] * kept[39 * _L + lane] * kept[39 * _L + lane]
                     whole_volume += at[lane]
-                for row in range(9):
-                    for lane in range(n):
-                        top = max(top, abs(out[row * _L + lane]))
-                add_force(n, n_nodes, at, gradients, out, local_force)
-                for k in range(n_multipliers):
-                    for lane in range(n):
-                        local_constraint[k * _L + lane] += shapes[q, k] * at[lane] * (kept[30 * _L + lane] - 1.0)
+                raise_peak(out, peak)
+                add_force(n_nodes, at, gradients, out, local_force)
+                add_dilation(at, shapes[q], kept[30 * _L :], local_constraint)
                 if with_tangent:
                     moduli[:] = 0.0
                     add_moduli(n, 0.5 * _EARLY, first, early, half, moduli)
@@ -203,17 +199,13 @@ def assemble_step(
                         add_correction_moduli(n, end, out, half, kept, moduli)
                     add_other_moduli(n, drag, start, end, half, kept, moduli)
                     whole_tangent(n, end, kept, moduli, half, whole)
-                    add_whole_stiffness(n, n_nodes, at, gradients, whole, half, local_stiffness)
+                    add_whole_stiffness(n_nodes, at, gradients, whole, half, local_stiffness)
                     if n_multipliers > 0:
                         gradients_of_volume(n, end, kept, volumes)
-                        add_constraint(
-                            *(n, n_nodes, n_multipliers, at, gradients, shapes[q], volumes, half, local_gradient)
-                        )
-                        add_constraint(
-                            *(n, n_nodes, n_multipliers, at, gradients, shapes[q], volumes[9 * _L :], half),
-                            local_acting,
-                        )
+                        add_constraint(n_nodes, at, gradients, shapes[q], volumes, local_gradient)
+                        add_constraint(n_nodes, at, gradients, shapes[q], volumes[9 * _L :], local_acting)
             for lane in range(n):
+                top = max(top, peak[lane])
                 for a in range(n_nodes):
                     for i in range(dimension):
                         force[dimension * touched[a, lane] + i] += local_force[(3 * a + i) * _L + lane]

@@ -21,14 +21,14 @@ from numba import njit, types
 from myobridge.compiled import LANES
 from myobridge_plugins.macro_solid.finite_element.contraction_kernels import add_force, add_stiffness
 from myobridge_plugins.macro_solid.finite_element.element_kernels import (
-    add_deformation,
+    deformation,
     gather,
-    identity,
     shape_gradients,
     volume_and_inverse,
 )
 from myobridge_plugins.macro_solid.finite_element.kernel_types import CELLS, INDEX, PLACES, TABLE, VECTOR
-from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS
+from myobridge_plugins.macro_solid.finite_element.lane_vectors import aligned, load, store
+from myobridge_plugins.macro_solid.finite_element.point_kernels import INNER, OPTIONS, raise_peak
 from myobridge_plugins.macro_solid.finite_element.scatter_kernels import scatter_stiffness
 from myobridge_plugins.macro_solid.finite_element.symmetric_lanes import (
     combination,
@@ -116,43 +116,40 @@ def add_viscous(
     """
     n_nodes, n_q = nodes.shape[1], weights.shape[0]
     n_pairs = n_nodes * (n_nodes + 1) // 2
-    local, speed = np.empty(3 * n_nodes * _L), np.empty(3 * n_nodes * _L)
-    gradients = np.empty(3 * n_nodes * _L)
-    inverse, volume, at = np.empty(9 * _L), np.empty(_L), np.empty(_L)
-    state, moving, stress = np.empty(9 * _L), np.empty(9 * _L), np.empty(6 * _L)
-    out, turned, half = np.empty(54 * _L), np.empty(54 * _L), np.empty(27 * _L)
-    local_force = np.empty(3 * n_nodes * _L)
-    local_stiffness, local_damping = np.empty((2, 9 * n_pairs * _L if with_tangent else 1))
+    local, speed, gradients = aligned(3 * n_nodes), aligned(3 * n_nodes), aligned(3 * n_nodes)
+    local_force = aligned(3 * n_nodes)
+    inverse, volume, at, peak = aligned(9), aligned(1), aligned(1), aligned(1)
+    state, moving, stress = aligned(9), aligned(9), aligned(6)
+    out, turned, half = aligned(54), aligned(54), aligned(27)
+    n_kept = 9 * n_pairs if with_tangent else 0
+    local_stiffness, local_damping = aligned(n_kept), aligned(n_kept)
     for block in range(first, last):
         top = 0.0
         for batch in range(blocks[block, 0], blocks[block, 1]):
             n = sizes[batch]
             touched = nodes[batch]
-            gather(n, dimension, n_nodes, touched, displacement, local)
-            gather(n, dimension, n_nodes, touched, velocity, speed)
+            gather(dimension, n_nodes, touched, displacement, local)
+            gather(dimension, n_nodes, touched, velocity, speed)
             local_force[:] = 0.0
+            peak[:] = 0.0
             local_stiffness[:] = 0.0
             local_damping[:] = 0.0
             for q in range(n_q):
                 if q == 0 or not affine:
-                    volume_and_inverse(n, dimension, map_slopes[q], corners[batch], inverse, volume)
-                shape_gradients(n, n_nodes, slopes[q], inverse, gradients)
-                identity(n, state)
-                add_deformation(n, n_nodes, local, gradients, state)
-                moving[:] = 0.0
-                add_deformation(n, n_nodes, speed, gradients, moving)
+                    volume_and_inverse(dimension, map_slopes[q], corners[batch], inverse, volume)
+                shape_gradients(n_nodes, slopes[q], inverse, gradients)
+                deformation(1.0, n_nodes, local, gradients, state)
+                deformation(0.0, n_nodes, speed, gradients, moving)
                 _stress(n, viscosity, state, moving, stress, out)
-                for lane in range(n):
-                    at[lane] = weights[q] * volume[lane]
-                for row in range(9):
-                    for lane in range(n):
-                        top = max(top, abs(out[row * _L + lane]))
-                add_force(n, n_nodes, at, gradients, out, local_force)
+                store(at, 0, weights[q] * load(volume, 0))
+                raise_peak(out, peak)
+                add_force(n_nodes, at, gradients, out, local_force)
                 if with_tangent:
                     _tangents(n, viscosity, state, stress, out, turned)
-                    add_stiffness(n, n_nodes, at, gradients, turned, half, local_stiffness)
-                    add_stiffness(n, n_nodes, at, gradients, out, half, local_damping)
+                    add_stiffness(n_nodes, at, gradients, turned, half, local_stiffness)
+                    add_stiffness(n_nodes, at, gradients, out, half, local_damping)
             for lane in range(n):
+                top = max(top, peak[lane])
                 for a in range(n_nodes):
                     for i in range(dimension):
                         force[dimension * touched[a, lane] + i] += local_force[(3 * a + i) * _L + lane]
