@@ -17,6 +17,7 @@ from time import perf_counter
 import attrs
 import numpy as np
 
+from myobridge.cache_lines import rows_on_lines
 from myobridge.interfaces import ActivationKinetics, ActiveLaw, Array, CrossBridgeModel, Fluxes, Signal
 from myobridge.stimulation import Stimulation
 from myobridge.work import count
@@ -89,7 +90,7 @@ class CouplingBus:
         self._stretch = np.array(stretch, dtype=float)
         self._activation_state = self._stimulation.initial_state()
         self._r = self._stimulation.initial()
-        self._spare = np.empty_like(self._population)
+        self._spare = rows_on_lines(self._population.shape)
         self.stretch_rate = np.zeros(n_sites)
         self.inertance = self.active_law_at_rest().inertance
         self.seconds = 0.0
@@ -254,13 +255,14 @@ class CouplingBus:
 
     def restore(self, state: BusState) -> None:
         """Continue from a checkpoint."""
-        self._population = np.array(state.population)
+        self._population = rows_on_lines(state.population.shape)
+        self._population[...] = state.population
         self._stretch = np.array(state.stretch)
         self._activation_state = np.array(state.activation)
         self._r = np.array(state.last_activation)
         self.tension = np.array(state.tension)
         self.stretch_rate = np.array(state.stretch_rate)
-        self._spare = np.empty_like(self._population)
+        self._spare = rows_on_lines(self._population.shape)
         self.inertance = self.active_law_at_rest().inertance
         self.discard()
 
