@@ -139,15 +139,14 @@ class CouplingBus:
         model = self.model
         displacement = model.gear * (stretch - self._trial_stretch)
         if model.has_energy:
-            before = self._trial_energy()
             if law is None:
                 law = self.active_law(self._clock - self._time)
             potential = law.potential(stretch)
-            self._trial = model.slide(self._trial, displacement, self._spare)
+            self._trial, gained = model.slide_and_gain(self._trial, displacement, self._spare)
             if potential is not None:
                 work = float(np.dot(self._volumes, potential))
                 self.totals.work += work
-                self.totals.numerical += self._trial_energy() - before - work
+                self.totals.numerical += float(np.dot(self._energy_scale, gained)) - work
         else:
             self._trial = model.slide(self._trial, displacement, self._spare)
         self._trial_stretch = stretch
@@ -278,9 +277,6 @@ class CouplingBus:
     def _activation_after(self, elapsed: float) -> Array:
         """Activation `elapsed` seconds after the beginning of the step."""
         return self._stimulation.at(self._activation_state, self._time, self._time + elapsed)
-
-    def _trial_energy(self) -> float:
-        return float(np.dot(self._energy_scale, self.model.energy(self._trial)))
 
     def _book(self, fluxes: Fluxes) -> None:
         scale, totals = self._energy_scale, self.totals

@@ -60,7 +60,7 @@ class MovingFrameEuler(Discretisation):
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
         if out is None:
             out = np.empty_like(state)
-        slide_sites((0, state.shape[0]), state, out, out is not state, displacement, self.low, self.bins)
+        slide_sites((0, state.shape[0]), state, out, out is not state, np.empty(0), displacement, self.low, self.bins)
         return out
 
     def advance(

@@ -13,12 +13,12 @@ from myobridge.threads import over_sites
 from myobridge_plugins.cross_bridge import window_layout as layout
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.exact_kernels import step_sites
-from myobridge_plugins.cross_bridge.window_kernels import slide_sites
+from myobridge_plugins.cross_bridge.window_kernels import gather_moments, slide_sites
 
 __all__ = ["Exact"]
 
 _HELD = np.zeros(1)
-_NOTHING = np.zeros((0, 0))
+_NOTHING, _NOT_ASKED = np.zeros((0, 0)), np.zeros(0)
 _CACHES = 2**25  # bytes
 
 
@@ -55,10 +55,19 @@ class Exact(Discretisation):
         return self.advance(state, activation, overlap, _HELD, dt, out)
 
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
+        return self._slid(state, displacement, out, _NOT_ASKED)
+
+    def slide_and_gain(self, state: Array, displacement: Array, out: Array | None) -> tuple[Array, Array]:
+        gained = np.empty(state.shape[0])
+        found = self._slid(state, displacement, out, gained)
+        gained *= 0.5 * self.scale
+        return found, gained
+
+    def _slid(self, state: Array, displacement: Array, out: Array | None, gained: Array) -> Array:
         found = rows_on_lines(state.shape) if out is None else out
 
         def part(first: int, last: int) -> None:
-            slide_sites((first, last), state, found, found is not state, displacement, self.low, self.bins)
+            slide_sites((first, last), state, found, found is not state, gained, displacement, self.low, self.bins)
 
         over_sites(state.shape[0], part)
         return found
@@ -106,8 +115,7 @@ class Exact(Discretisation):
         found = np.empty((state.shape[0], 3))
 
         def part(first: int, last: int) -> None:
-            # A row's header is far from the next one's: what this takes is waiting for memory.
-            found[first:last] = state[first:last, layout.Q0 : layout.Q2 + 1]
+            gather_moments((first, last), state, found)
 
         over_sites(state.shape[0], part)
         return found

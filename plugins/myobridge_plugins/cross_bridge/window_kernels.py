@@ -7,11 +7,13 @@ import math
 import numba as nb
 
 from myobridge.cache_lines import LINE
+from myobridge_plugins.cross_bridge.prefetch import fetch
 from myobridge_plugins.cross_bridge.window_layout import (
     BARE,
     BARE_ENTRY,
     BLOCK,
     CELLS,
+    FACE,
     FIRST,
     HEADER,
     LAST,
@@ -24,8 +26,9 @@ from myobridge_plugins.cross_bridge.window_layout import (
     cut_at,
 )
 
-__all__ = ["copy_row", "move_window", "slide_sites", "take_row", "trim"]
+__all__ = ["copy_row", "gather_moments", "move_window", "slide_sites", "take_row", "trim"]
 
+AHEAD = 16  # sites whose first line is asked for while one is worked on: that takes no time, memory does
 FADED = 1e-20  # means below are given up at the ends of the occupied range
 
 
@@ -119,18 +122,32 @@ def take_row(row, image):
 
 
 @nb.njit(**BARE_ENTRY)
-def slide_sites(sites, state, out, copy, displacement, low, bins):
-    """Carry the heads at the `sites` (first, last) by `displacement` [reach]. The zones follow in the next step."""
+def slide_sites(sites, state, out, copy, gained, displacement, low, bins):
+    """Carry the heads at the `sites` (first, last) by `displacement` [reach]. The zones follow in the next step.
+
+    What the second moments gained is written into `gained` where it has entries.
+    """
     for site in range(sites[0], sites[1]):
+        fetch(state[min(site + AHEAD, sites[1] - 1)], 0, FACE)
         row = out[site]
         if copy:
             copy_row(state[site], row)
-        D = displacement[site]
-        if D == 0.0:
-            continue
-        q0, q1 = row[Q0], row[Q1]
-        row[Q1] = q1 + D * q0
-        row[Q2] += D * (2.0 * q1 + D * q0)
-        row[START] += D
-        row[ZONE] = math.floor(row[ZONE]) + 0.5
-        move_window(row, low, bins)
+        D, before = displacement[site], row[Q2]
+        if D != 0.0:
+            q0, q1 = row[Q0], row[Q1]
+            row[Q1] = q1 + D * q0
+            row[Q2] += D * (2.0 * q1 + D * q0)
+            row[START] += D
+            row[ZONE] = math.floor(row[ZONE]) + 0.5
+            move_window(row, low, bins)
+        if gained.size > 0:
+            gained[site] = row[Q2] - before
+
+
+@nb.njit(**BARE_ENTRY)
+def gather_moments(sites, state, found):
+    """Moments at the `sites` (first, last), of which every one waits in a cache line of its own."""
+    for site in range(sites[0], sites[1]):
+        fetch(state[min(site + AHEAD, sites[1] - 1)], 0, FACE)
+        row = state[site]
+        found[site, 0], found[site, 1], found[site, 2] = row[Q0], row[Q1], row[Q2]
