@@ -103,8 +103,8 @@ def test_speed():
         f"({t_fused / t_stream:.2f} passes), with divided cells {1e3 * t_step:.1f} ms ({t_step / t_stream:.2f}), "
         f"numpy {1e3 * t_numpy:.0f} ms ({t_numpy / t_fused:.1f} times as much)"
     )
-    # Measured on a quiet machine: 2.2 to 2.5 passes, with divided cells 2.5 to 2.7 (before: 4.9 and 6.3); while the
-    # machine is busy (a numpy call takes twice as long) 2.7 to 3.7 and 2.9 to 3.9.
+    # Measured: 2.0 to 2.1 passes, with divided cells 2.1 to 2.3; half as much again while the machine is busy (a numpy
+    # call takes twice as long).
     assert t_fused <= 3.0 * t_stream, "repeat on a quiet machine"
     assert t_step <= 3.0 * t_stream, "repeat on a quiet machine"
     assert t_numpy >= 10.0 * t_fused
