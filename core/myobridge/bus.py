@@ -17,6 +17,7 @@ from time import perf_counter
 import attrs
 import numpy as np
 
+from myobridge.cache_lines import rows_on_lines
 from myobridge.interfaces import ActivationKinetics, ActiveLaw, Array, CrossBridgeModel, Fluxes, Signal
 from myobridge.stimulation import Stimulation
 from myobridge.work import count
@@ -89,7 +90,7 @@ class CouplingBus:
         self._stretch = np.array(stretch, dtype=float)
         self._activation_state = self._stimulation.initial_state()
         self._r = self._stimulation.initial()
-        self._spare = np.empty_like(self._population)
+        self._spare = rows_on_lines(self._population.shape)
         self.stretch_rate = np.zeros(n_sites)
         self.inertance = self.active_law_at_rest().inertance
         self.seconds = 0.0
@@ -138,15 +139,14 @@ class CouplingBus:
         model = self.model
         displacement = model.gear * (stretch - self._trial_stretch)
         if model.has_energy:
-            before = self._trial_energy()
             if law is None:
                 law = self.active_law(self._clock - self._time)
             potential = law.potential(stretch)
-            self._trial = model.slide(self._trial, displacement, self._spare)
+            self._trial, gained = model.slide_and_gain(self._trial, displacement, self._spare)
             if potential is not None:
                 work = float(np.dot(self._volumes, potential))
                 self.totals.work += work
-                self.totals.numerical += self._trial_energy() - before - work
+                self.totals.numerical += float(np.dot(self._energy_scale, gained)) - work
         else:
             self._trial = model.slide(self._trial, displacement, self._spare)
         self._trial_stretch = stretch
@@ -254,13 +254,14 @@ class CouplingBus:
 
     def restore(self, state: BusState) -> None:
         """Continue from a checkpoint."""
-        self._population = np.array(state.population)
+        self._population = rows_on_lines(state.population.shape)
+        self._population[...] = state.population
         self._stretch = np.array(state.stretch)
         self._activation_state = np.array(state.activation)
         self._r = np.array(state.last_activation)
         self.tension = np.array(state.tension)
         self.stretch_rate = np.array(state.stretch_rate)
-        self._spare = np.empty_like(self._population)
+        self._spare = rows_on_lines(self._population.shape)
         self.inertance = self.active_law_at_rest().inertance
         self.discard()
 
@@ -276,9 +277,6 @@ class CouplingBus:
     def _activation_after(self, elapsed: float) -> Array:
         """Activation `elapsed` seconds after the beginning of the step."""
         return self._stimulation.at(self._activation_state, self._time, self._time + elapsed)
-
-    def _trial_energy(self) -> float:
-        return float(np.dot(self._energy_scale, self.model.energy(self._trial)))
 
     def _book(self, fluxes: Fluxes) -> None:
         scale, totals = self._energy_scale, self.totals

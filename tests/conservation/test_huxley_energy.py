@@ -45,6 +45,22 @@ def _carry(rho, p, D, dt, delta, f, a, g1, g2, g3):
     return carry(rho, p, D, dt, delta, f, a, g1, g2, g3)
 
 
+@pytest.mark.parametrize("discretisation", ["exact", "upwind", "moving_frame_euler"])
+def test_gain_of_a_slide(discretisation):
+    """What a slide says to have added to the energy is the difference of the energies, in place or not."""
+    model, x = Huxley(discretisation=discretisation), np.array([0.0, 0.013, -0.4, 2.0, -30.0])
+    before = model.initial_state(x.size)
+    kept = before.copy()
+    after, gained = model.slide_and_gain(before, x)
+    assert np.array_equal(before, kept)
+    assert np.array_equal(after, model.slide(before, x))
+    assert np.allclose(gained, model.energy(after) - model.energy(before), rtol=1e-13, atol=1e-16)
+    again, same = model.slide_and_gain(kept, x, kept)
+    assert again is kept
+    assert np.array_equal(again, after)
+    assert np.array_equal(same, gained)
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_label_along_a_path(seed):
     """Each energy of a label against an ordinary solver: regions, both directions, g3, above and below a."""

@@ -8,7 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from myobridge_plugins.cross_bridge.huxley import Huxley
-from myobridge_plugins.cross_bridge.window_kernels import COUNT, FACE, NEAR, PART0, PART1, PARTS, START, ZONE
+from myobridge_plugins.cross_bridge.window_layout import CELLS, LEFT, PART0, PART1, PARTS, START, ZONE
+from myobridge_plugins.cross_bridge.zone_kernels import NEAR
 
 ON = np.ones(1)
 step = st.tuples(
@@ -23,10 +24,12 @@ def _range(model: Huxley, state: np.ndarray) -> tuple[float, float]:
     """Least and greatest attached fraction; those of divided cells too."""
     rho = model.density(state)[1].ravel()
     if model.discretisation == "exact":
-        assert 0 < np.max(state[:, COUNT]) <= PARTS
-        count = int(state[0, COUNT])
+        faces = state[0, LEFT:PART0]
+        count = int(np.sum(faces[1:] < CELLS)) + 1
+        assert np.all(np.diff(faces[: count + 1]) > 0.0)
+        assert count < PARTS, "no room for the next cut"
         cut = -state[0, START] * model.bins - state[0, ZONE]
-        assert np.min(np.abs(state[0, FACE : FACE + count + 1] - cut)) <= 3.0 * NEAR, "the cut is no face of its zone"
+        assert np.min(np.abs(faces - cut)) <= 3.0 * NEAR, "the cut is no face of its zone"
         rho = np.concatenate([rho, state[0, PART0 : PART0 + count], state[0, PART1 : PART1 + count]])
     return float(rho.min()), float(rho.max())
 

@@ -148,6 +148,15 @@ class CrossBridgeModel(ABC):
     def slide(self, state: Array, displacement: Array, out: Array | None = None) -> Array:
         """Carry the heads by `displacement` [reach]; none attaches or detaches."""
 
+    def slide_and_gain(self, state: Array, displacement: Array, out: Array | None = None) -> tuple[Array, Array]:
+        """`slide`, and the energy that each site gained by it, in units of `p_max` [-], shape (n_sites,).
+
+        The default asks for the energy before and after; a model that has it at hand saves two passes over its state.
+        """
+        before = self.energy(state)
+        slid = self.slide(state, displacement, out)
+        return slid, self.energy(slid) - before
+
     @abstractmethod
     def active_law(self, state: Array, activation: Array, stretch: Array) -> ActiveLaw:
         """Law of the frozen population, expanded at `stretch`; tension in units of `p_max` [-]."""

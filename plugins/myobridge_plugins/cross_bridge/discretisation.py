@@ -62,6 +62,10 @@ class Discretisation(ABC):
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
         """Carry the heads by `displacement`."""
 
+    def slide_and_gain(self, state: Array, displacement: Array, out: Array | None) -> tuple[Array, Array] | None:
+        """`slide`, and the energy that each site gained; None where it takes two looks at the moments."""
+        return None
+
     def advance(
         self, state: Array, activation: Array, overlap: Array, displacement: Array, dt: float, out: Array | None
     ) -> tuple[Array, Fluxes] | None:

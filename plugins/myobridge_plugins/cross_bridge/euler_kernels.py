@@ -6,7 +6,8 @@ import math
 
 import numba as nb
 
-from myobridge_plugins.cross_bridge.window_kernels import FAST, FIRST, HEADER, LAST, Q0, Q1, Q2, START, copy_row, cut_at
+from myobridge_plugins.cross_bridge.window_kernels import copy_row
+from myobridge_plugins.cross_bridge.window_layout import FAST, FIRST, HEADER, LAST, Q0, Q1, Q2, START, cut_at
 
 __all__ = ["react_fixed", "react_riding", "transport"]
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from myobridge_plugins.cross_bridge.held_kernels import react_site
 from myobridge_plugins.cross_bridge.label_kernels import carry
+from myobridge_plugins.cross_bridge.prefetch import fetch
 from myobridge_plugins.cross_bridge.range_kernels import (
     high_dwell,
     some_above,
@@ -26,35 +27,29 @@ from myobridge_plugins.cross_bridge.range_kernels import (
     step_mid,
     tabulate,
 )
-from myobridge_plugins.cross_bridge.window_kernels import (
+from myobridge_plugins.cross_bridge.stream import arrive, stream
+from myobridge_plugins.cross_bridge.window_kernels import move_window, take_row, trim
+from myobridge_plugins.cross_bridge.window_layout import (
     BARE,
     CELLS,
-    COUNT,
     FACE,
     FAST,
     FIRST,
     HEADER,
     LANES,
     LAST,
-    MADE,
+    PART,
     PART0,
     PART1,
-    PARTS,
     Q0,
     Q1,
     Q2,
     START,
     ZONE,
-    copy_row,
+    count_parts,
     cut_at,
-    divide,
-    enter_zone,
-    hold_cut,
-    move_window,
-    part_slope,
-    thin_out,
-    trim,
 )
+from myobridge_plugins.cross_bridge.zone_kernels import ROOM, divide, enter_zone, hold_cut, part_slope, thin_out
 
 __all__ = ["step_sites"]
 
@@ -66,17 +61,20 @@ def _step_parts(row, flux, site, first_part, first_cell, D, dt, f, a, g1, g2, g3
     """Parts of one zone, each carried along the path; moment sums of its cells before and after."""
     dq = 1.0 / bins
     b0 = b1 = b2 = a0 = a1 = a2 = work = detached = attached = 0.0
-    n, k = int(row[COUNT]), 0
-    before, gap = row[HEADER + first_cell - 1], 1.0  # mean and length of the part to the left
+    n, k = count_parts(row), 0
+    before, gap, face = row[HEADER + first_cell - 1], 1.0, 0.0  # mean and length of the part to the left, and its end
     for cell in range(CELLS):
         at = HEADER + first_cell + cell
         centre = row[START] + (first_cell + cell + 0.5) * dq
         mean = 0.0
-        while k < n and row[FACE + k] < cell + 1:
-            length = row[FACE + k + 1] - row[FACE + k]
-            middle = 0.5 * (row[FACE + k + 1] + row[FACE + k]) - cell - 0.5
+        while k < n and row[FACE + k] <= cell + 1:
+            length = row[FACE + k] - face
+            middle = 0.5 * (row[FACE + k] + face) - cell - 0.5
+            face = row[FACE + k]
             old, new = row[first_part + k], 0.0
-            slope = part_slope(row, first_part, first_cell, k, before, gap)
+            whole = k + 1 == n  # the neighbour to the right is a cell outside the zone
+            after = row[HEADER + first_cell + CELLS] if whole else row[first_part + k + 1]
+            slope = part_slope(old, before, after, length, gap, 1.0 if whole else row[FACE + k + 1] - face)
             before, gap = old, length
             for node in (-_PAIR, _PAIR):
                 delta = (middle + node * length) * dq
@@ -115,7 +113,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     old, new = cut_at(start, bins), cut_at(start + D, bins)
     enter_zone(row, math.floor(new), math.floor(old), bins, scratch)
     zone = int(row[ZONE])
-    divide(row, new - zone, bins)
+    divide(row, new - zone, bins, scratch)
     first, last = min(int(row[FIRST]), zone), max(int(row[LAST]), zone + bins + CELLS)
     cells = row[HEADER:]
     centre = start + 0.5 * dq
@@ -161,7 +159,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     if whole_dt != dt:
         tables = spare
         tabulate(tables, row.size - HEADER, (g1 + g3) * dq * dt)
-    at = zone - (zone - first + LANES - 1) // LANES * LANES
+    at = max(zone - (zone - first + LANES - 1) // LANES * LANES, 0)
     below = row[HEADER + at : HEADER + zone]
     b0, b1, b2 = step_low(below, centre + at * dq, dq, factor, tables[1, LANES:])
     a0 = factor * b0
@@ -178,7 +176,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     G = g1 + g3
     dwell = high_dwell(above, q, v, dq, G, g3, dt) if g3 > 0.0 and D != 0.0 else 0.0
     factor = math.exp((g3 - G * (q + 0.5 * D)) * dt)
-    t0, t1, t2 = step_high(row, zone + bins + CELLS, last, q + D, dq, factor, tables, scratch[0])
+    t0, t1, t2 = step_high(row, zone + bins + CELLS, last, q + D, dq, factor, tables, scratch)
     if above.size > 0:
         h0, h2 = row[Q0] * bins - b0 - n0, row[Q2] * bins - b2 - n2
         work = 0.0
@@ -191,54 +189,81 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     row[Q1] = dq * (a1 + m1 + t1)
     row[Q2] = dq * (a2 + m2 + t2)
     row[FIRST], row[LAST] = first, last
-    row[MADE] = row[START]
-    thin_out(row, new - zone)
+    thin_out(row, new - zone, scratch)
     trim(row, math.floor(new), bins)
 
 
 @nb.njit(**BARE)
 def _crowded(row, a, bins):
     """Whether a mean in (0, 1) or in the zones is above the attachable fraction."""
-    zone, count = int(row[ZONE]), int(row[COUNT])
+    zone, count = int(row[ZONE]), count_parts(row)
     if some_above(row[PART0 : PART0 + count], a) or some_above(row[PART1 : PART1 + count], a):
         return True
     return some_above(row[HEADER + zone + CELLS : HEADER + zone + bins], a)
 
 
+@nb.njit(**PART)
+def _step_here(row, flux, site, D, dt, f, a, low, bins, rates, factor, work, after):
+    """One site in place, while the row `after` it comes from memory."""
+    scratch, tables, spare, _ = work
+    _, g1, g2, g3 = rates
+    hold_cut(row, bins, scratch)
+    if D == 0.0 and (a >= 1.0 or not _crowded(row, a, bins)):
+        react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, scratch, after)
+        return
+    fetch(after, 0, HEADER)
+    fetch(after, HEADER + int(row[FIRST]), HEADER + int(row[LAST]))
+    parts = max(math.ceil(abs(D) * bins / (CELLS - 1.0)), 1)
+    for _ in range(parts):
+        _step_site(row, flux, site, D / parts, dt / parts, f, a, g1, g2, g3, bins, scratch, tables, spare, dt)
+        flux[3, site] -= 0.5 * row[Q2]
+        move_window(row, low, bins)
+        flux[3, site] += 0.5 * row[Q2]
+
+
 @nb.njit(**BARE)
-def _each_site(state, out, copy, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale, work):
-    scratch, tables, spare = work
-    f1, g1, g2, g3 = rates
-    factor = math.exp(-g2 * dt)
-    for site in range(state.shape[0]):
-        row = out[site]
-        if copy:
-            copy_row(state[site], row)
-        after = state[min(site + 1, state.shape[0] - 1)]
-        hold_cut(row, bins, scratch)
+def _each_site(
+    sites, state, out, past, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale, work
+):
+    first, last = sites
+    images = work[3]
+    copy = images.shape[0] > 0
+    ahead = 2 if copy else 1
+    factor = math.exp(-rates[2] * dt)
+    if copy:
+        take_row(state[first], images[0])
+    for site in range(first, last):
+        for j in range(4):
+            flux[j, site] = 0.0
         r = activation[site]
         o = overlap[site] if overlap.size > 1 else overlap[0]
-        f = r * f1 if by_rate else f1
+        f = r * rates[0] if by_rate else rates[0]
         a = o if by_rate else r * o
         D = displacement[site] if displacement.size > 1 else displacement[0]
-        if D == 0.0 and (a >= 1.0 or not _crowded(row, a, bins)):
-            react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, scratch, after)
-        else:
-            parts = max(math.ceil(abs(D) * bins / (CELLS - 1.0)), 1)
-            for _ in range(parts):
-                _step_site(row, flux, site, D / parts, dt / parts, f, a, g1, g2, g3, bins, scratch, tables, spare, dt)
-                flux[3, site] -= 0.5 * row[Q2]
-                move_window(row, low, bins)
-                flux[3, site] += 0.5 * row[Q2]
+        row = images[(site - first) % 2] if copy else out[site]
+        if copy:  # the next one, as numbers that have just been written cannot be read at once in other groups
+            take_row(state[min(site + 1, last - 1)], images[(site + 1 - first) % 2])
+        _step_here(row, flux, site, D, dt, f, a, low, bins, rates, factor, work, state[min(site + ahead, last - 1)])
+        if past:
+            stream(row, out[site])
+        elif copy:
+            target = out[site]
+            for i in range(row.size):
+                target[i] = row[i]
         for j in range(4):
             flux[j, site] *= scale
+    if past:
+        arrive()
 
 
 @nb.njit(**FAST)
-def step_sites(state, out, copy, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale):
-    """Whole path at all sites: `state` (n, m) to `out`; fluxes (4, n), zero on entry, in units of p_max.
+def step_sites(
+    sites, state, out, images, past, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale
+):
+    """Whole path at the `sites` (first, last): `state` (n, m) to `out`; fluxes (4, n) in units of p_max.
 
-    `displacement` and `overlap` have one entry or one a site.
+    `images` holds two rows of zeros, none where `out` is `state`; `past` tells whether results go past the caches: then
+    rows of `out` and `images` have to be whole cache lines. `displacement` and `overlap` have one entry or one a site.
     """
     size = state.shape[1] - HEADER
     spare = np.empty((2, LANES + size))
@@ -250,8 +275,8 @@ def step_sites(state, out, copy, flux, displacement, dt, activation, overlap, by
         size = min(size + 2 * (LANES + CELLS), state.shape[1] - HEADER)
     tables = np.empty((2, LANES + size))
     tabulate(tables, size, (rates[1] + rates[3]) * dt / bins)
-    scratch = np.empty((4, max(PARTS + CELLS, bins)))
+    scratch = np.empty(ROOM + bins)
     _each_site(
-        state, out, copy, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale,
-        (scratch, tables, spare),
+        sites, state, out, past, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale,
+        (scratch, tables, spare, images),
     )  # fmt: skip

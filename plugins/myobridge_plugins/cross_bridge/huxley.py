@@ -136,6 +136,10 @@ class Huxley(CrossBridgeModel):
     def slide(self, state: Array, displacement: Array, out: Array | None = None) -> Array:
         return self._scheme.slide(state, displacement, out)
 
+    def slide_and_gain(self, state: Array, displacement: Array, out: Array | None = None) -> tuple[Array, Array]:
+        done = self._scheme.slide_and_gain(state, displacement, out)
+        return super().slide_and_gain(state, displacement, out) if done is None else done
+
     def advance(
         self,
         state: Array,

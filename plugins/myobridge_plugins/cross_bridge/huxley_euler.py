@@ -8,9 +8,10 @@ import attrs
 import numpy as np
 
 from myobridge.interfaces import Array, Fluxes, Promises
-from myobridge_plugins.cross_bridge import window_kernels as window
+from myobridge_plugins.cross_bridge import window_layout as layout
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.euler_kernels import react_riding
+from myobridge_plugins.cross_bridge.window_kernels import slide_sites
 
 __all__ = ["MovingFrameEuler"]
 
@@ -24,7 +25,7 @@ class MovingFrameEuler(Discretisation):
         \rho_i \leftarrow \rho_i + \Delta t\,[k f(q_i) (a - \rho_i)^+ - g(q_i) \rho_i], \qquad
         q_i \leftarrow q_i + v \Delta t
 
-    State: as for "exact", a header of 16 values and the cells, shape (n_sites, 16 + n_cells).
+    State: as for "exact", a header and the cells, shape (n_sites, HEADER + n_cells).
     Promises: in [0, 1] for steps up to 1 / max(f+g), 4.785 ms for the default rates; beyond, compressed heads become
     negative, and beyond twice that they grow. The oscillation is this stiffness, not a shock. A slide is exact.
     Departures: none.
@@ -32,16 +33,16 @@ class MovingFrameEuler(Discretisation):
 
     @property
     def promises(self) -> Promises:
-        return Promises(order=1, largest_step=1.0 / self.rates.fastest(self.high + window.BLOCK / self.bins))
+        return Promises(order=1, largest_step=1.0 / self.rates.fastest(self.high + layout.BLOCK / self.bins))
 
     @property
     def _n_cells(self) -> int:
-        return round((self.high - self.low) * self.bins) + window.BLOCK
+        return layout.cells_of(self.low, self.high, self.bins)
 
     def initial_state(self, n_sites: int) -> Array:
-        state = window.empty_window(n_sites, self._n_cells, self.low, self.bins)
+        state = layout.empty_window(n_sites, self._n_cells, self.low, self.bins)
         if self.filled:
-            window.fill_window(state, self.rates.duty(), self.bins)
+            layout.fill_window(state, self.rates.duty(), self.bins)
         return state
 
     def react(
@@ -59,7 +60,7 @@ class MovingFrameEuler(Discretisation):
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
         if out is None:
             out = np.empty_like(state)
-        window.slide_sites(state, out, out is not state, displacement, self.low, self.bins)
+        slide_sites((0, state.shape[0]), state, out, out is not state, np.empty(0), displacement, self.low, self.bins)
         return out
 
     def advance(
@@ -75,9 +76,9 @@ class MovingFrameEuler(Discretisation):
         return out, reacted.plus(Fluxes(nothing, nothing, work, change - work))
 
     def moments(self, state: Array) -> Array:
-        return state[:, window.Q0 : window.Q2 + 1].copy()
+        return state[:, layout.Q0 : layout.Q2 + 1].copy()
 
     def density(self, state: Array) -> tuple[Array, Array]:
         """Centres of the cells and the attached fraction there."""
-        start = state[:, window.START, None]
-        return start + (np.arange(self._n_cells) + 0.5) / self.bins, state[:, window.HEADER :].copy()
+        start = state[:, layout.START, None]
+        return start + (np.arange(self._n_cells) + 0.5) / self.bins, state[:, layout.HEADER :].copy()

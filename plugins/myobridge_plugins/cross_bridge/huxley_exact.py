@@ -7,15 +7,19 @@ from typing import final
 import attrs
 import numpy as np
 
+from myobridge.cache_lines import LINE, begins_a_line, rows_on_lines
 from myobridge.interfaces import Array, Fluxes, Promises
 from myobridge.threads import over_sites
-from myobridge_plugins.cross_bridge import window_kernels as window
+from myobridge_plugins.cross_bridge import window_layout as layout
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.exact_kernels import step_sites
+from myobridge_plugins.cross_bridge.window_kernels import gather_moments, slide_sites
 
 __all__ = ["Exact"]
 
 _HELD = np.zeros(1)
+_NOTHING, _NOT_ASKED = np.zeros((0, 0)), np.zeros(0)
+_CACHES = 2**25  # bytes
 
 
 @final
@@ -37,12 +41,12 @@ class Exact(Discretisation):
 
     @property
     def _n_cells(self) -> int:
-        return round((self.high - self.low) * self.bins) + window.BLOCK
+        return layout.cells_of(self.low, self.high, self.bins)
 
     def initial_state(self, n_sites: int) -> Array:
-        state = window.empty_window(n_sites, self._n_cells, self.low, self.bins)
+        state = layout.empty_window(n_sites, self._n_cells, self.low, self.bins)
         if self.filled:
-            window.fill_window(state, self.rates.duty(), self.bins)
+            layout.fill_window(state, self.rates.duty(), self.bins)
         return state
 
     def react(
@@ -51,11 +55,19 @@ class Exact(Discretisation):
         return self.advance(state, activation, overlap, _HELD, dt, out)
 
     def slide(self, state: Array, displacement: Array, out: Array | None) -> Array:
-        found = np.empty_like(state) if out is None else out
+        return self._slid(state, displacement, out, _NOT_ASKED)
+
+    def slide_and_gain(self, state: Array, displacement: Array, out: Array | None) -> tuple[Array, Array]:
+        gained = np.empty(state.shape[0])
+        found = self._slid(state, displacement, out, gained)
+        gained *= 0.5 * self.scale
+        return found, gained
+
+    def _slid(self, state: Array, displacement: Array, out: Array | None, gained: Array) -> Array:
+        found = rows_on_lines(state.shape) if out is None else out
 
         def part(first: int, last: int) -> None:
-            sites = slice(first, last)
-            window.slide_sites(state[sites], found[sites], found is not state, displacement[sites], self.low, self.bins)
+            slide_sites((first, last), state, found, found is not state, gained, displacement, self.low, self.bins)
 
         over_sites(state.shape[0], part)
         return found
@@ -64,31 +76,37 @@ class Exact(Discretisation):
         self, state: Array, activation: Array, overlap: Array, displacement: Array, dt: float, out: Array | None
     ) -> tuple[Array, Fluxes]:
         if out is None:
-            out = np.empty_like(state)
+            out = rows_on_lines(state.shape)
         if dt <= 0.0:
             everywhere = np.broadcast_to(displacement, state.shape[:1]).astype(float)
             return self.slide(state, everywhere, out), Fluxes.zero(state.shape[0])
         n, rates = state.shape[0], self.rates
         flux = np.empty((4, n))
+        # What is larger than the caches is not found there by the next call either.
+        past = out is not state and state.nbytes > _CACHES and begins_a_line(out) and state.shape[1] % LINE == 0
 
         def part(first: int, last: int) -> None:
-            sites, here = slice(first, last), np.zeros((4, last - first))
+            images = _NOTHING
+            if out is not state:
+                images = rows_on_lines((2, state.shape[1]))
+                images[...] = 0.0
             step_sites(
-                state[sites],
-                out[sites],
-                out is not state,
-                here,
-                displacement[sites] if displacement.size == n else displacement,
+                (first, last),
+                state,
+                out,
+                images,
+                past,
+                flux,
+                displacement,
                 dt,
-                activation[sites],
-                overlap[sites] if overlap.size == n else overlap,
+                activation,
+                overlap,
                 self.by_rate,
                 (rates.f1, rates.g1, rates.g2, rates.g3),
                 self.low,
                 self.bins,
                 self.scale,
             )
-            flux[:, sites] = here
 
         over_sites(n, part)
         return out, Fluxes(flux[0], flux[1], flux[2], flux[3])
@@ -97,13 +115,12 @@ class Exact(Discretisation):
         found = np.empty((state.shape[0], 3))
 
         def part(first: int, last: int) -> None:
-            # A row's header is far from the next one's: what this takes is waiting for memory.
-            found[first:last] = state[first:last, window.Q0 : window.Q2 + 1]
+            gather_moments((first, last), state, found)
 
         over_sites(state.shape[0], part)
         return found
 
     def density(self, state: Array) -> tuple[Array, Array]:
         """Centres of the cells and their means."""
-        start = state[:, window.START, None]
-        return start + (np.arange(self._n_cells) + 0.5) / self.bins, state[:, window.HEADER :].copy()
+        start = state[:, layout.START, None]
+        return start + (np.arange(self._n_cells) + 0.5) / self.bins, state[:, layout.HEADER :].copy()

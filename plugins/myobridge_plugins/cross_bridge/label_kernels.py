@@ -20,7 +20,7 @@ import math
 
 import numba as nb
 
-from myobridge_plugins.cross_bridge.window_kernels import BARE
+from myobridge_plugins.cross_bridge.window_layout import BARE
 
 __all__ = ["LITTLE", "carry", "decay", "decay_little", "relaxed_time"]
 

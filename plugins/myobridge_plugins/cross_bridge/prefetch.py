@@ -10,7 +10,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from myobridge_plugins.cross_bridge.window_kernels import BARE
+from myobridge_plugins.cross_bridge.window_layout import PART
 
 __all__ = ["fetch"]
 
@@ -31,7 +31,7 @@ def _prefetch(typing_context: Any, row: Any, place: Any) -> Any:
     return types.void(row, types.intp), generate
 
 
-@nb.njit(**BARE)
+@nb.njit(**PART)
 def fetch(row, start, stop):
     """Ask for the cache lines of `row[start:stop]`."""
     for i in range(start, stop, 8):

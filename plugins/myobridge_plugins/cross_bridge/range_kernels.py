@@ -7,7 +7,7 @@ import math
 import numba as nb
 
 from myobridge_plugins.cross_bridge.label_kernels import carry, decay, relaxed_time
-from myobridge_plugins.cross_bridge.window_kernels import BARE, HEADER, LANES
+from myobridge_plugins.cross_bridge.window_layout import BARE, HEADER, LANES, PART
 
 __all__ = ["high_dwell", "some_above", "step_crowded", "step_high", "step_low", "step_mid", "tabulate"]
 
@@ -35,7 +35,7 @@ def _moments_at(s0, s1, s2, q, dq):
     return s0, q * s0 + dq * s1, q * q * s0 + dq * (2.0 * q * s1 + dq * s2)
 
 
-@nb.njit(**BARE)
+@nb.njit(**PART)
 def step_low(cells, q, dq, factor, ramp):
     """Cells below q=0, whole LANES of them, the first centred at q: all decay by one factor. Moment sums before."""
     s0 = s1 = s2 = 0.0
@@ -98,7 +98,7 @@ def step_crowded(cells, flux, site, q, D, dq, dt, f, a, g1, g2, g3):
     return b0, b1, b2, a0, a1, a2
 
 
-@nb.njit(**BARE)
+@nb.njit(**PART)
 def step_high(row, first, last, q, dq, factor, tables, kept):
     """Cells `first` to `last` above q=1, the first centred at q after the step. Moment sums after.
 
