@@ -202,7 +202,7 @@ def _crowded(row, a, bins):
     return some_above(row[HEADER + zone + CELLS : HEADER + zone + bins], a)
 
 
-@nb.njit(**PART)
+@nb.njit(inline="always", **BARE)
 def _step_here(row, flux, site, D, dt, f, a, low, bins, rates, factor, work, after):
     """One site in place, while the row `after` it comes from memory."""
     scratch, tables, spare, _ = work

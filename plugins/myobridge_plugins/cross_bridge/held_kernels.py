@@ -21,6 +21,7 @@ from myobridge_plugins.cross_bridge.window_layout import (
     HEADER,
     LANES,
     LAST,
+    BARE,
     PART,
     PART0,
     PART1,
@@ -129,7 +130,7 @@ def _hold_zones(row, dt, c, F, factor, G, g3, bins, scratch):
     return a0, a1, a2, gained, weighted * dt
 
 
-@nb.njit(**PART)
+@nb.njit(**BARE)
 def react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, scratch, after):
     """One site. The row `after` it comes from memory meanwhile, in portions: too many requests at once would wait."""
     dq = 1.0 / bins
