@@ -38,7 +38,6 @@ from myobridge_plugins.cross_bridge.window_layout import (
     HEADER,
     LANES,
     LAST,
-    PART,
     PART0,
     PART1,
     Q0,

@@ -15,13 +15,13 @@ from myobridge_plugins.cross_bridge.prefetch import fetch
 from myobridge_plugins.cross_bridge.range_kernels import TINY, step_high, step_low
 from myobridge_plugins.cross_bridge.window_kernels import trim
 from myobridge_plugins.cross_bridge.window_layout import (
+    BARE,
     CELLS,
     FACE,
     FIRST,
     HEADER,
     LANES,
     LAST,
-    BARE,
     PART,
     PART0,
     PART1,
