@@ -62,6 +62,25 @@ def test_all_methods_find_the_same_solution(name: str, elastic_block: Any) -> No
 
 
 @pytest.mark.parametrize("name", METHODS)
+def test_a_residual_whose_square_overflows_is_only_too_large(name: str) -> None:
+    """exp(x) = e^2 from where the whole correction leads to x = 490: exp(490) is a number, its square is not."""
+
+    class Exponential(NewtonProblem):
+        def residual(self, unknowns: Array) -> tuple[Array, float]:
+            return np.exp(unknowns) - np.exp(2.0), 1.0
+
+        def tangent(self, unknowns: Array) -> Matrix:
+            return np.diag(np.exp(unknowns))
+
+    start = np.array([-4.215, -4.2])
+    whole = start - 1.0 + np.exp(2.0 - start)
+    assert np.all((whole > 400.0) & (whole < 700.0))
+    found = METHODS[name]().solve(Exponential(), start)
+    assert found.converged, found.reason
+    assert np.allclose(found.unknowns, 2.0, rtol=1e-8)
+
+
+@pytest.mark.parametrize("name", METHODS)
 @settings(max_examples=20)
 @given(solution=st.floats(0.1, 5.0), start=st.floats(0.1, 8.0))
 def test_they_stay_where_the_problem_is_admissible(name: str, solution: float, start: float) -> None:

@@ -17,6 +17,7 @@ __all__ = [
     "absolute_product",
     "add_scaled",
     "bordered",
+    "length_of",
     "mass_solver",
     "norm_of",
     "saddle",
@@ -51,6 +52,14 @@ def add_scaled(matrix: Matrix, factor: float, other: Matrix | None) -> Matrix:
 
         return matrix + sparse.diags_array(factor * other)
     return matrix + factor * other
+
+
+def length_of(vector: Array) -> float:
+    """Euclidean norm; infinite, without a warning, where its square is: a residual that is too large is just that."""
+    if vector.size == 1:
+        return float(abs(vector[0]))
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(vector @ vector))
 
 
 def norm_of(matrix: Matrix) -> float:

@@ -30,7 +30,7 @@ from myobridge.interfaces import (
 )
 from myobridge.parameters import integer, number, part
 from myobridge.solvers.choice import factorise
-from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_product, solve
+from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_product, length_of, solve
 from myobridge.work import count
 
 __all__ = ["ROUND_OFF", "Correction", "Ordinary", "is_round_off", "iterate", "log_step", "newton"]
@@ -72,7 +72,7 @@ def iterate(
     """
     unknowns = start
     residual, magnitude = problem.residual(unknowns)
-    size = _size(residual)
+    size = length_of(residual)
     first = size
     history: list[NewtonStep] = []
     for iteration in range(max_iterations):
@@ -96,7 +96,7 @@ def iterate(
             candidate = unknowns - fraction * change
             if problem.admissible(candidate):
                 residual, magnitude = problem.residual(candidate)
-                size = _size(residual)
+                size = length_of(residual)
                 if math.isfinite(size) and size <= growth * before:
                     break
             fraction *= 0.5
@@ -108,7 +108,7 @@ def iterate(
         count("inner_iterations", inner)
         log_step(iteration + 1, history[-1], size)
         unknowns = candidate
-        if fraction == 1.0 and renewed and _size(change) <= ROUND_OFF * _size(unknowns):
+        if fraction == 1.0 and renewed and length_of(change) <= ROUND_OFF * length_of(unknowns):
             return NewtonResult(unknowns, True, iteration + 1, "", tuple(history))
     converged = size <= max(tolerance * first, ROUND_OFF * magnitude)
     reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
@@ -239,11 +239,7 @@ def is_round_off(tangent: Matrix | LinearSystem, unknowns: Array, residual: Arra
 
     A factorisation costs hundreds of times more than this question.
     """
-    return _size(residual) <= ROUND_OFF * _size(absolute_product(tangent, unknowns))
-
-
-def _size(vector: Array) -> float:
-    return float(abs(vector[0])) if vector.size == 1 else float(np.sqrt(vector @ vector))
+    return length_of(residual) <= ROUND_OFF * length_of(absolute_product(tangent, unknowns))
 
 
 @hookimpl

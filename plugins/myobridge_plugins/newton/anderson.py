@@ -20,6 +20,7 @@ from typing import final
 import numpy as np
 
 from myobridge.interfaces import Array
+from myobridge.solvers import length_of
 
 __all__ = ["Anderson"]
 
@@ -43,8 +44,8 @@ class Anderson:
 
     def learn(self, change: Array, fall: Array) -> None:
         """Take note of a change of the unknowns and the change of the residual that it made."""
-        size = float(np.linalg.norm(fall))
-        if size > 0.0:
+        size = length_of(fall)
+        if 0.0 < size < np.inf:
             self._changes.append(change / size)
             self._falls.append(fall / size)
 

@@ -6,7 +6,6 @@ import math
 from typing import ClassVar, final
 
 import attrs
-import numpy as np
 
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import (
@@ -20,7 +19,7 @@ from myobridge.interfaces import (
     NewtonTask,
 )
 from myobridge.parameters import integer, number, part
-from myobridge.solvers import HeldTangent, UnsolvedSystem, is_round_off, iterate
+from myobridge.solvers import HeldTangent, UnsolvedSystem, is_round_off, iterate, length_of
 
 __all__ = ["Inexact"]
 
@@ -89,7 +88,7 @@ class Inexact(NewtonMethod):
             if is_round_off(tangent, unknowns, residual):
                 return None
             system = tangent if isinstance(tangent, LinearSystem) else LinearSystem(tangent, symmetric=False)
-            sizes.append(float(np.linalg.norm(residual)))
+            sizes.append(length_of(residual))
             terms.append(self._term(sizes, terms))
             return _solved(held, system, residual, terms[-1])
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, final
 
-import numpy as np
-
 from myobridge.interfaces import Array, NewtonProblem, NewtonStep
-from myobridge.solvers import ROUND_OFF, log_step
+from myobridge.solvers import ROUND_OFF, length_of, log_step
 from myobridge.work import count
 
 __all__ = ["Place", "Search"]
@@ -44,7 +42,7 @@ class Search:
 
     def _at(self, point: Array) -> Place:
         residual, magnitude = self.problem.residual(point)
-        return Place(point, residual, float(np.linalg.norm(residual)), magnitude)
+        return Place(point, residual, length_of(residual), magnitude)
 
     @property
     def point(self) -> Array:
