@@ -10,10 +10,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["LANES", "CompiledFunction", "material_function", "signature"]
+__all__ = ["FASTMATH", "INLINED", "LANES", "CompiledFunction", "material_function", "signature"]
 
 LANES = 8
 """Points that a kernel works on side by side: one vector of 64 bytes."""
+
+FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
+"""Sums may be reordered and contracted, so that lanes become vectors; infinities and NaN keep their meaning."""
+
+INLINED: Any = {
+    "error_model": "numpy",
+    "fastmath": FASTMATH,
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+"""Numba's options for what is compiled into the kernel that calls it; Python calls none of it."""
 
 
 def signature() -> Any:
@@ -40,7 +52,7 @@ class CompiledFunction:
         import numba
 
         if self._callback is None:
-            self._callback = numba.cfunc(signature(), cache=True, error_model="numpy", fastmath=_FAST)(self.function)
+            self._callback = numba.cfunc(signature(), cache=True, error_model="numpy", fastmath=FASTMATH)(self.function)
         return self._callback
 
     @property
@@ -57,10 +69,6 @@ class CompiledFunction:
 def material_function(function: Callable[..., None]) -> CompiledFunction:
     """Decorator: a function ``(n, state, out, constants)`` of a material (see `myobridge.interfaces.material`)."""
     return CompiledFunction(function)
-
-
-# Sums may be reordered and contracted, so that lanes become vectors; infinities and NaN keep their meaning.
-_FAST = {"reassoc", "contract", "arcp", "nsz"}
 
 
 def _pointer(address: int) -> Any:

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-__all__ = ["available", "over_sites", "shared_out"]
+__all__ = ["available", "over_range", "shared_out"]
 
-# Sites below which threads are not worth while.
+# Sites or nodes below which threads are not worth while.
 _MANY = 4096
 
 
@@ -41,9 +41,9 @@ def shared_out(threads: int, first: int, last: int, loop: Callable[[int, int], o
             other.result()
 
 
-def over_sites(n_sites: int, part: Callable[[int, int], object]) -> None:
-    """Run ``part(a, b)`` over ranges [a, b) of sites, on all threads where there are many sites."""
-    shared_out(available() if n_sites >= _MANY else 1, 0, n_sites, part)
+def over_range(n: int, part: Callable[[int, int], object]) -> None:
+    """Run ``part(a, b)`` over parts [a, b) of the range [0, n) of sites or nodes, on all threads where `n` is large."""
+    shared_out(available() if n >= _MANY else 1, 0, n, part)
 
 
 @functools.lru_cache(maxsize=1)

@@ -83,7 +83,7 @@ def test_threads_give_the_same_numbers(elastic_block: Any, monkeypatch: pytest.M
         for a, b in ((2 * n // 3, n), (0, n // 5), (n // 5, 2 * n // 3)):
             part(a, b)
 
-    monkeypatch.setattr(multigrid, "over_sites", in_three)
+    monkeypatch.setattr(multigrid, "over_range", in_three)
     assert np.array_equal(cycle @ right, expected)
     assert np.linalg.norm(expected) > 0.0
 

@@ -12,7 +12,7 @@ import numpy as np
 from myobridge.hookspecs import hookimpl
 from myobridge.interfaces import ActiveLaw, AffineLaw, Array, CrossBridgeModel, Fluxes, Overlap, Promises
 from myobridge.parameters import choice, number, part
-from myobridge.threads import over_sites
+from myobridge.threads import over_range
 from myobridge_plugins.cross_bridge.isometric_law import IsometricLaw
 from myobridge_plugins.cross_bridge.moment_kernels import react_euler, react_exactly, shift, steady
 
@@ -154,7 +154,7 @@ class DistributedMoment(CrossBridgeModel):
                 react_exactly(state[i], rate[i], capacity[i], dt, rates, extrapolate, unit, out[i], here)
             fluxes[:, i] = here
 
-        over_sites(activation.size, part)
+        over_range(activation.size, part)
         return out, Fluxes(*fluxes)
 
     def slide(self, state: Array, displacement: Array, out: Array | None = None) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from myobridge.cache_lines import LINE, begins_a_line, rows_on_lines
 from myobridge.interfaces import Array, Fluxes, Promises
-from myobridge.threads import over_sites
+from myobridge.threads import over_range
 from myobridge_plugins.cross_bridge import window_layout as layout
 from myobridge_plugins.cross_bridge.discretisation import Discretisation
 from myobridge_plugins.cross_bridge.exact_kernels import step_sites
@@ -69,7 +69,7 @@ class Exact(Discretisation):
         def part(first: int, last: int) -> None:
             slide_sites((first, last), state, found, found is not state, gained, displacement, self.low, self.bins)
 
-        over_sites(state.shape[0], part)
+        over_range(state.shape[0], part)
         return found
 
     def advance(
@@ -108,7 +108,7 @@ class Exact(Discretisation):
                 self.scale,
             )
 
-        over_sites(n, part)
+        over_range(n, part)
         return out, Fluxes(flux[0], flux[1], flux[2], flux[3])
 
     def moments(self, state: Array) -> Array:
@@ -117,7 +117,7 @@ class Exact(Discretisation):
         def part(first: int, last: int) -> None:
             gather_moments((first, last), state, found)
 
-        over_sites(state.shape[0], part)
+        over_range(state.shape[0], part)
         return found
 
     def density(self, state: Array) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ import numba as nb
 import numpy as np
 
 from myobridge.cache_lines import LINE, rows_on_lines
+from myobridge.compiled import FASTMATH
 from myobridge.interfaces import Array
 
 # Columns of a state row before its cells. What a slide changes is in the first cache line.
@@ -37,7 +38,7 @@ BLOCK = 16  # cells by which the window moves at a time
 # Compiled kernels are cached beside their file. The cache does not see edits of other files: whoever edits a kernel
 # that another file imports, or these numbers, deletes `__pycache__/*.nb?` here. (An installation renews all files.)
 # They hold no lock, so that sites can be shared out among threads.
-FAST = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
+FAST = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH}
 # No counts of references: every view of an array would cost two atomic operations, a third of the time of a step. Such
 # kernels cannot allocate arrays.
 BARE_ENTRY = {**FAST, "_nrt": False}

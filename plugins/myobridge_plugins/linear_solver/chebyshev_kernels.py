@@ -13,13 +13,15 @@ from typing import Any
 
 import numba as nb
 
+from myobridge.compiled import FASTMATH
+
 __all__ = ["descend", "residual", "start"]
 
 _OPTIONS: dict[str, Any] = {
     "cache": True,
     "nogil": True,
     "error_model": "numpy",
-    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
+    "fastmath": FASTMATH,
 }
 
 

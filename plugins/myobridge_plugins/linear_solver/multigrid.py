@@ -26,7 +26,7 @@ from typing import Any, final
 import numpy as np
 
 from myobridge.interfaces import Array
-from myobridge.threads import over_sites
+from myobridge.threads import over_range
 from myobridge_plugins.linear_solver.node_blocks import in_node_blocks
 
 __all__ = ["Cycle", "cycle_of"]
@@ -107,10 +107,10 @@ class _Space(Cycle):
         right = np.ascontiguousarray(right, dtype=np.float64)
         found, step, spare = np.empty_like(right), np.empty_like(right), np.empty_like(right)
         share = self._steps[0][0]
-        over_sites(self._rows, lambda a, b: start(self._inverse, right, share, step, found, a, b))
+        over_range(self._rows, lambda a, b: start(self._inverse, right, share, step, found, a, b))
         found, spare = self._smooth(self._steps[1:], right, found, spare, step)
         if self._coarser is not None:
-            over_sites(self._rows, lambda a, b: residual(*self._matrix, right, found, spare, a, b))
+            over_range(self._rows, lambda a, b: residual(*self._matrix, right, found, spare, a, b))
             found += self._prolong @ (self._coarser @ (self._restrict @ spare))
         return self._smooth(self._steps, right, found, spare, step)[0]
 
@@ -128,7 +128,7 @@ class _Space(Cycle):
         from myobridge_plugins.linear_solver.chebyshev_kernels import descend
 
         matrix, inverse = self._matrix, self._inverse
-        over_sites(self._rows, lambda a, b: descend(*matrix, inverse, right, x, share, kept, step, out, a, b))
+        over_range(self._rows, lambda a, b: descend(*matrix, inverse, right, x, share, kept, step, out, a, b))
 
     def _largest(self) -> float:
         """Largest eigenvalue of the block-scaled matrix, by the power method: a few per cent too small."""

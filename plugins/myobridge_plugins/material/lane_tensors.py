@@ -6,12 +6,10 @@ the loop becomes vector instructions.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numba
 import numpy as np
 
-from myobridge.compiled import LANES
+from myobridge.compiled import INLINED, LANES
 
 __all__ = [
     "cofactor",
@@ -36,15 +34,7 @@ __all__ = [
     "twist",
 ]
 
-# Sums may be reordered and contracted as in the functions that this is compiled into. Python calls none of them.
-_OPTIONS: Any = {
-    "error_model": "numpy",
-    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
-    "forceinline": True,
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-}
-in_lane = numba.njit(**_OPTIONS)
+in_lane = numba.njit(**INLINED)
 
 
 # First place of each row. Unsigned, because numba lets negative places count from the end, and asking for the sign of

@@ -20,7 +20,7 @@ from numba.core import cgutils
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
 
-from myobridge.compiled import LANES
+from myobridge.compiled import INLINED, LANES
 
 __all__ = [
     "absolute",
@@ -35,14 +35,7 @@ __all__ = [
     "store",
 ]
 
-_OPTIONS: Any = {
-    "error_model": "numpy",
-    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
-    "forceinline": True,
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-}
-inlined: Any = njit(**_OPTIONS)
+inlined: Any = njit(**INLINED)
 """Decorator of what is compiled into whoever calls it."""
 _intrinsic: Any = intrinsic
 

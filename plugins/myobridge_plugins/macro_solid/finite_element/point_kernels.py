@@ -17,6 +17,7 @@ from typing import Any
 
 from numba import njit
 
+from myobridge.compiled import FASTMATH
 from myobridge_plugins.macro_solid.finite_element.lane_vectors import (
     absolute,
     add_to,
@@ -28,10 +29,9 @@ from myobridge_plugins.macro_solid.finite_element.lane_vectors import (
 
 __all__ = ["INNER", "OPTIONS", "add_stress", "add_tangent", "raise_peak"]
 
-# Sums may be reordered and contracted, so that lanes become vectors; infinities and NaN keep their meaning.
 OPTIONS: Any = {
     "error_model": "numpy",
-    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
+    "fastmath": FASTMATH,
     "cache": True,
     "nogil": True,
 }
