@@ -58,6 +58,10 @@ class Faulty(CrossBridgeModel):
             new[:, 2] -= 1e-3 * displacement
         return new
 
+    def slide_and_gain(self, state: Any, displacement: Any, out: Any = None) -> Any:
+        new, gained = super().slide_and_gain(state, displacement, out)
+        return new, (1.0 + 1e-6) * gained if self.fault == "gains too much" else gained
+
     def active_law(self, state: Any, activation: Any, stretch: Any) -> Any:
         law: Any = SOUND.active_law(state, activation, stretch)
         if self.fault == "stiffness":
@@ -107,6 +111,7 @@ def test_the_sound_model_passes():
         ("writes", "inputs_unchanged"),
         ("no out", "out"),
         ("neighbours", "batch_is_single"),
+        ("gains too much", "gain_of_slide"),
         ("loses energy", "fluxes_of_react"),
         ("loses energy", "fluxes_of_advance"),
         ("unrealizable", "realizable"),

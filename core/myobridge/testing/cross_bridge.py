@@ -10,6 +10,7 @@ from myobridge.testing.cross_bridge_energy import (
     check_exact_slide,
     check_fluxes_of_advance,
     check_fluxes_of_react,
+    check_gain_of_slide,
     check_law_potential,
 )
 from myobridge.testing.cross_bridge_form import (
@@ -63,6 +64,7 @@ def cross_bridge_checks(model: CrossBridgeModel) -> list[Callable[[], None]]:
         (check_statics_refused, not model.has_statics),
         (check_law_potential, model.has_energy),
         (check_exact_slide, model.has_energy and promises.exact_slide),
+        (check_gain_of_slide, model.has_energy),
         (check_fluxes_of_react, True),
         (check_fluxes_of_advance, True),
         (check_zero_activation, True),

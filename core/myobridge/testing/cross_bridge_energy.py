@@ -7,7 +7,13 @@ import numpy as np
 from myobridge.interfaces import CrossBridgeModel
 from myobridge.testing.cross_bridge_samples import sample
 
-__all__ = ["check_exact_slide", "check_fluxes_of_advance", "check_fluxes_of_react", "check_law_potential"]
+__all__ = [
+    "check_exact_slide",
+    "check_fluxes_of_advance",
+    "check_fluxes_of_react",
+    "check_gain_of_slide",
+    "check_law_potential",
+]
 
 
 def check_law_potential(model: CrossBridgeModel) -> None:
@@ -45,6 +51,23 @@ def check_exact_slide(model: CrossBridgeModel) -> None:
         assert error <= 1e-11, f"tension after sliding differs from the law by {error} (p_max)"
         moved = max(moved, float(np.max(np.abs(change) / np.maximum(scale, 1e-300))))
     assert moved > 1e-3, "nothing moved: the check has no force on this model"
+
+
+def check_gain_of_slide(model: CrossBridgeModel) -> None:
+    """`slide_and_gain` slides as `slide` does, and says what that adds to the energy; in place too."""
+    for seed in range(5):
+        state, _, _, displacement, _ = sample(model, 6, seed)
+        expected, before = model.slide(state, displacement), model.energy(state)
+        after, gained = model.slide_and_gain(state, displacement)
+        assert np.array_equal(after, expected), "slide_and_gain leads elsewhere than slide"
+        change = model.energy(expected) - before
+        scale = np.maximum(model.energy(expected) + before, 1e-300)
+        error = float(np.max(np.abs(gained - change) / scale))
+        assert error <= 1e-12, f"energy changes by {change}, slide_and_gain says {gained} (relative error {error})"
+        place = state.copy()
+        again, same = model.slide_and_gain(place, displacement, place)
+        assert np.array_equal(again, expected), "slide_and_gain in place leads elsewhere"
+        assert np.array_equal(same, gained), "slide_and_gain in place gains something else"
 
 
 def check_fluxes_of_react(model: CrossBridgeModel) -> None:
