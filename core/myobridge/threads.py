@@ -25,20 +25,40 @@ def available() -> int:
 
 
 def shared_out(threads: int, first: int, last: int, loop: Callable[[int, int], object]) -> None:
-    """Run ``loop(a, b)`` on parts [a, b) of the range [first, last), one a thread; the caller takes the last part."""
+    """Run ``loop(a, b)`` on parts [a, b) that make up the range [first, last).
+
+    Each thread, the caller among them, takes the next part when it is free: one that others hold up does less.
+    """
     threads = min(threads, last - first)
     if threads <= 1:
         if last > first:
             loop(first, last)
         return
-    bounds = [first + (last - first) * k // threads for k in range(threads + 1)]
-    others = [_pool().submit(loop, bounds[k], bounds[k + 1]) for k in range(threads - 1)]
+    parts = iter(_parts(threads, first, last))  # the iterator of a list hands no part out twice
+
+    def take() -> None:
+        for a, b in parts:
+            loop(a, b)
+
+    others = [_pool().submit(take) for _ in range(threads - 1)]
     try:
-        loop(bounds[-2], bounds[-1])
+        take()
     finally:
         # Also after an interrupt: what the others write into must not outlive this call unnoticed.
         for other in others:
-            other.result()
+            if not other.cancel():
+                other.result()
+
+
+def _parts(threads: int, first: int, last: int) -> list[tuple[int, int]]:
+    """Parts of a range: each half of a thread's share of what is left, the last ones an eighth of its share of all."""
+    parts, least = [], max((last - first) // (8 * threads), 1)
+    while first < last:
+        size = max((last - first) // (2 * threads), least)
+        size = size if last - first - size >= least else last - first
+        parts.append((first, first + size))
+        first += size
+    return parts
 
 
 def over_range(n: int, part: Callable[[int, int], object]) -> None:

@@ -36,7 +36,7 @@ def _moved(model: CrossBridgeModel, n_threads: int, monkeypatch: pytest.MonkeyPa
         state, moved = model.advance(state, activation, stretch, stretch + generator.normal(scale=1e-3, size=n), 1e-3)
         found += [np.stack(held), np.stack(moved)]
     monkeypatch.undo()
-    assert len(set(parts)) == n_threads
+    assert (len(set(parts)) > 2 * n_threads) == (n_threads > 1)
     return state, np.stack(found)
 
 

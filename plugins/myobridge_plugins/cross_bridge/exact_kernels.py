@@ -15,7 +15,7 @@ import math
 import numba as nb
 import numpy as np
 
-from myobridge_plugins.cross_bridge.held_kernels import react_site
+from myobridge_plugins.cross_bridge.held_kernels import react_site, room_between
 from myobridge_plugins.cross_bridge.label_kernels import carry
 from myobridge_plugins.cross_bridge.prefetch import fetch
 from myobridge_plugins.cross_bridge.range_kernels import (
@@ -27,7 +27,7 @@ from myobridge_plugins.cross_bridge.range_kernels import (
     step_mid,
     tabulate,
 )
-from myobridge_plugins.cross_bridge.stream import arrive, stream
+from myobridge_plugins.cross_bridge.row_moves import arrive, copy_lines, stream_lines
 from myobridge_plugins.cross_bridge.window_kernels import move_window, take_row, trim
 from myobridge_plugins.cross_bridge.window_layout import (
     BARE,
@@ -112,7 +112,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     old, new = cut_at(start, bins), cut_at(start + D, bins)
     enter_zone(row, math.floor(new), math.floor(old), bins, scratch)
     zone = int(row[ZONE])
-    divide(row, new - zone, bins, scratch)
+    divide(row, new - zone, bins)
     first, last = min(int(row[FIRST]), zone), max(int(row[LAST]), zone + bins + CELLS)
     cells = row[HEADER:]
     centre = start + 0.5 * dq
@@ -175,7 +175,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     G = g1 + g3
     dwell = high_dwell(above, q, v, dq, G, g3, dt) if g3 > 0.0 and D != 0.0 else 0.0
     factor = math.exp((g3 - G * (q + 0.5 * D)) * dt)
-    t0, t1, t2 = step_high(row, zone + bins + CELLS, last, q + D, dq, factor, tables, scratch)
+    t0, t1, t2 = step_high(row, zone + bins + CELLS, last, q + D, dq, factor, tables)
     if above.size > 0:
         h0, h2 = row[Q0] * bins - b0 - n0, row[Q2] * bins - b2 - n2
         work = 0.0
@@ -188,7 +188,7 @@ def _step_site(row, flux, site, D, dt, f, a, g1, g2, g3, bins, scratch, tables, 
     row[Q1] = dq * (a1 + m1 + t1)
     row[Q2] = dq * (a2 + m2 + t2)
     row[FIRST], row[LAST] = first, last
-    thin_out(row, new - zone, scratch)
+    thin_out(row, new - zone)
     trim(row, math.floor(new), bins)
 
 
@@ -204,11 +204,11 @@ def _crowded(row, a, bins):
 @nb.njit(inline="always", **BARE)
 def _step_here(row, flux, site, D, dt, f, a, low, bins, rates, factor, work, after):
     """One site in place, while the row `after` it comes from memory."""
-    scratch, tables, spare, _ = work
+    scratch, tables, spare, table, _ = work
     _, g1, g2, g3 = rates
     hold_cut(row, bins, scratch)
     if D == 0.0 and (a >= 1.0 or not _crowded(row, a, bins)):
-        react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, scratch, after)
+        react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, table, after)
         return
     fetch(after, 0, HEADER)
     fetch(after, HEADER + int(row[FIRST]), HEADER + int(row[LAST]))
@@ -225,7 +225,7 @@ def _each_site(
     sites, state, out, past, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale, work
 ):
     first, last = sites
-    images = work[3]
+    images = work[4]
     copy = images.shape[0] > 0
     ahead = 2 if copy else 1
     factor = math.exp(-rates[2] * dt)
@@ -244,11 +244,9 @@ def _each_site(
             take_row(state[min(site + 1, last - 1)], images[(site + 1 - first) % 2])
         _step_here(row, flux, site, D, dt, f, a, low, bins, rates, factor, work, state[min(site + ahead, last - 1)])
         if past:
-            stream(row, out[site])
+            stream_lines(row, out[site], 0, row.size)
         elif copy:
-            target = out[site]
-            for i in range(row.size):
-                target[i] = row[i]
+            copy_lines(row, out[site], 0, row.size)
         for j in range(4):
             flux[j, site] *= scale
     if past:
@@ -274,8 +272,9 @@ def step_sites(
         size = min(size + 2 * (LANES + CELLS), state.shape[1] - HEADER)
     tables = np.empty((2, LANES + size))
     tabulate(tables, size, (rates[1] + rates[3]) * dt / bins)
-    scratch = np.empty(ROOM + bins)
+    scratch, table = np.empty(ROOM), np.empty(room_between(bins))
+    table[-1] = -1.0  # stands for no rate yet
     _each_site(
         sites, state, out, past, flux, displacement, dt, activation, overlap, by_rate, rates, low, bins, scale,
-        (scratch, tables, spare, images),
+        (scratch, tables, spare, table, images),
     )  # fmt: skip

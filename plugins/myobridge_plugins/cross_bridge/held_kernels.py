@@ -8,11 +8,20 @@ from __future__ import annotations
 import math
 
 import numba as nb
-import numpy as np
 
-from myobridge_plugins.cross_bridge.label_kernels import LITTLE, decay, decay_little
+from myobridge_plugins.cross_bridge.label_kernels import LITTLE, decay, decay_above, decay_little
 from myobridge_plugins.cross_bridge.prefetch import fetch
 from myobridge_plugins.cross_bridge.range_kernels import TINY, step_high, step_low
+from myobridge_plugins.cross_bridge.row_vectors import (
+    above,
+    at_least,
+    floor_of,
+    give,
+    sum_of,
+    sum_where,
+    take,
+    where_positive,
+)
 from myobridge_plugins.cross_bridge.window_kernels import trim
 from myobridge_plugins.cross_bridge.window_layout import (
     BARE,
@@ -25,141 +34,148 @@ from myobridge_plugins.cross_bridge.window_layout import (
     PART,
     PART0,
     PART1,
-    PARTS,
     Q0,
     Q1,
     Q2,
     START,
     ZONE,
-    count_parts,
     cut_at,
 )
-from myobridge_plugins.cross_bridge.zone_kernels import ROOM
 
-__all__ = ["react_site"]
+__all__ = ["react_site", "room_between"]
 
-# Places of the scratch array, see `zone_kernels`.
-_WITHIN, _ABOVE, _SHARE0, _SHARE1 = 0, 16, 32, 48
+
+@nb.njit(**BARE)
+def room_between(bins):
+    """Size of the table of `_tabulate`."""
+    return 3 * _places(bins) + 3
 
 
 @nb.njit(**PART)
-def _hold_mid(cells, q, dq, c, F, dt, scratch):
-    """Cells from the zone at q=0 to that at q=1, filament held, the first of the zone's centred at q.
+def _places(bins):
+    """Cells between the zones and some before them: whole vectors."""
+    return (bins - CELLS + LANES - 1) // LANES * LANES
 
-    Those of the zone itself are stepped in vain, as long loops of even length vectorise. Sums of the others: moments
-    after, second moment gained.
+
+@nb.njit(**BARE)
+def _tabulate(table, bins, c, G, g3, dt):
+    """What sites of the same rates share: of the cells between the zones, see `_hold_mid`, and factors of the zones.
+
+    Numbers of the cells, counted from the first between the zones; 1 for these, 0 for those before; what they fade by
+    more than the first. Factors at q=1; the rate for which all this stands.
     """
-    fade = scratch[ROOM:]
-    if c * dt <= LITTLE:
-        for i in range(cells.size):
-            fade[i] = decay_little(-c * dt * (q + i * dq))
-    else:
-        for i in range(cells.size):
-            fade[i] = decay(-c * dt * (q + i * dq))
+    n = _places(bins)
+    for i in range(n):
+        number = float(i - n + bins - CELLS)
+        table[i] = number
+        table[n + i] = 1.0 if number >= 0.0 else 0.0
+        table[2 * n + i] = decay(-c * dt / bins * max(number, 0.0))
+    table[3 * n], table[3 * n + 1], table[3 * n + 2] = decay(-c * dt), decay((g3 - G) * dt), c
+
+
+@nb.njit(**PART)
+def _hold_mid(row, end, n, q, dq, F, first, table):
+    """Cells between the zones, filament held, before place `end`; the first is centred at q and fades by `first`.
+
+    Whole vectors are stepped: of what stands before the cells nothing changes. Sums: moments after, second moment
+    gained.
+    """
     s0 = s1 = s2 = gained = 0.0
-    for i in range(cells.size):
-        between = i >= CELLS
-        m = q + i * dq
-        x = cells[i]
-        z = F + (x - F) * fade[i]
-        z = z if z > TINY else 0.0
-        cells[i] = z
-        x = z - x if between else 0.0
-        z = z if between else 0.0
-        y = z * m
-        s0 += z
-        s1 += y
-        s2 += y * m
-        gained += x * m * m
+    for i in range(0, n, LANES):
+        x, between = take(row, end - n + i), take(table, n + i)
+        m = take(table, i) * dq + q
+        z = above((x - F) * (take(table, 2 * n + i) * first) + F, TINY)
+        give(row, end - n + i, where_positive(between, z, x))
+        mass = between * m
+        s0 += sum_of(between * z)
+        s1 += sum_of(mass * z)
+        mass = mass * m
+        s2 += sum_of(mass * z)
+        gained += sum_of(mass * (z - x))
     return s0, s1, s2, gained
 
 
 @nb.njit(**PART)
-def _hold_zones(row, dt, c, F, factor, G, g3, bins, scratch):
-    """Parts of both zones, filament held: moment sums after, and what (0, 1) gained: int q^2 d rho, int q^2 p dt."""
+def _hold_zones(row, dt, c, F, factor, G, g3, leap, far, bins):
+    """Parts of both zones, filament held: moment sums after, and what (0, 1) gained: int q^2 d rho, int q^2 p dt.
+
+    `leap` and `far` are the factors of (0, 1) and of what is above, both at q=1.
+    """
     dq = 1.0 / bins
     zone = int(row[ZONE])
     start = row[START] + zone * dq
+    left, right = take(row, FACE - 1), take(row, FACE)
+    length = right - left  # 0 in places that are not used
+    p = (left + right) * (0.5 * dq) + start
     # Factors of the parts: in (0, 1), right of the cut in the zone at q=0 and left of it in the other; above q=1.
     if max(c, G) * dt * CELLS * dq <= LITTLE:  # products of a number for all and one near 1
-        leap, far = decay(-c * dt), decay((g3 - G) * dt)
-        for k in range(PARTS):
-            p = start + 0.5 * (row[FACE + k - 1] + row[FACE + k]) * dq
-            scratch[_WITHIN + k] = (1.0 if p > 0.0 else leap) * decay_little(-c * p * dt)
-            scratch[_ABOVE + k] = far * decay_little(-G * p * dt)
+        near = decay_little(p * (-c * dt))
+        within = where_positive(p, near, near * leap)
+        beyond = decay_little(p * (-G * dt)) * far
     else:
-        for k in range(PARTS):
-            p = start + 0.5 * (row[FACE + k - 1] + row[FACE + k]) * dq
-            scratch[_WITHIN + k] = decay(-c * (p if p > 0.0 else p + 1.0) * dt)
-            scratch[_ABOVE + k] = decay((g3 - G * (p + 1.0)) * dt)
-    a0 = a1 = a2 = gained = weighted = 0.0
-    for k in range(PARTS):  # places that are not used have length 0
-        left, right = row[FACE + k - 1], row[FACE + k]
-        length = right - left
-        p = start + 0.5 * (left + right) * dq
-        m = start + (np.floor(left) + 0.5) * dq
-        x0, x1 = row[PART0 + k], row[PART1 + k]
-        inside = p > 0.0  # (0, 1) takes the right of the zone at q=0 and the left of that at q=1
-        x_mid = x0 if inside else x1
-        y_mid = F + (x_mid - F) * scratch[_WITHIN + k]
-        y_out = x1 * scratch[_ABOVE + k] if inside else x0 * factor
-        x0, x1 = (y_mid, y_out) if inside else (y_out, y_mid)
-        x0, x1 = x0 if x0 > TINY else 0.0, x1 if x1 > TINY else 0.0
-        row[PART0 + k], row[PART1 + k] = x0, x1
-        x0, x1 = length * x0, length * x1
-        scratch[_SHARE0 + k], scratch[_SHARE1 + k] = x0, x1
-        y = x1 * (m + 1.0)
-        a0 += x0 + x1
-        a1 += x0 * m + y
-        a2 += x0 * m * m + y * (m + 1.0)
-        p_mid, m_mid = (p, m) if inside else (p + 1.0, m + 1.0)
-        m_mid *= m_mid * length
-        gained += m_mid * (y_mid - x_mid)
-        weighted += m_mid * p_mid
+        within = decay_above(at_least(where_positive(p, p, p + 1.0) * (-c * dt), -40.0))
+        beyond = decay_above(at_least(p * (-G * dt) + (g3 - G) * dt, -40.0))
+    x0, x1 = take(row, PART0), take(row, PART1)
+    # (0, 1) takes the right of the zone at q=0 and the left of that at q=1.
+    before = where_positive(p, x0, x1)
+    after = (before - F) * within + F
+    outside = above(where_positive(p, x1 * beyond, x0 * factor), TINY)
+    inside = above(after, TINY)
+    x0, x1 = where_positive(p, inside, outside), where_positive(p, outside, inside)
+    give(row, PART0, x0)
+    give(row, PART1, x1)
+    cell = floor_of(left)
+    x0, x1 = length * x0, length * x1
     here = HEADER + zone
-    left, mean0, mean1 = 0.0, 0.0, 0.0
-    for k in range(
-        count_parts(row)
-    ):  # every part writes the sum so far into its cell: no branch that could be mistaken
-        i = int(left)
-        again = left > i
-        left = row[FACE + k]
-        mean0 = scratch[_SHARE0 + k] + (mean0 if again else 0.0)
-        mean1 = scratch[_SHARE1 + k] + (mean1 if again else 0.0)
-        row[here + i], row[here + bins + i] = min(mean0, 1.0), min(mean1, 1.0)
-    return a0, a1, a2, gained, weighted * dt
+    for i in range(CELLS):
+        row[here + i] = min(sum_where(x0, cell, float(i)), 1.0)
+        row[here + bins + i] = min(sum_where(x1, cell, float(i)), 1.0)
+    m0 = (cell + 0.5) * dq + start
+    m1 = m0 + 1.0
+    y0, y1 = x0 * m0, x1 * m1
+    s0, s1, s2 = sum_of(x0 + x1), sum_of(y0 + y1), sum_of(y0 * m0 + y1 * m1)
+    middle = where_positive(p, m0, m1)
+    share = middle * middle * length
+    return s0, s1, s2, sum_of(share * (after - before)), sum_of(share * where_positive(p, p, p + 1.0)) * dt
 
 
-@nb.njit(**BARE)
-def react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, scratch, after):
+@nb.njit(**PART)
+def react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, table, after):
     """One site. The row `after` it comes from memory meanwhile, in portions: too many requests at once would wait."""
     dq = 1.0 / bins
     zone = int(row[ZONE])
     first, last = min(int(row[FIRST]), zone), max(int(row[LAST]), zone + bins + CELLS)
-    cells = row[HEADER:]
     centre = row[START] + 0.5 * dq
     G = g1 + g3
     c = f + g1
     F = f * a / c if c > 0.0 else 0.0
     fetch(after, 0, HEADER)
+    n = _places(bins)
+    if table[3 * n + 2] != c:
+        _tabulate(table, bins, c, G, g3, dt)
+    # All that takes long in a row is begun first.
+    q = centre + (zone + CELLS) * dq
+    first_mid, first_high = decay(-c * dt * q), decay((g3 - G * (q + 1.0)) * dt)
     # Ranges are stepped in whole LANES, unless there are not so many cells below.
     b0 = b1 = b2 = 0.0
     if first < zone:
         at = max(zone - (zone - first + LANES - 1) // LANES * LANES, 0)
         b0, b1, b2 = step_low(row[HEADER + at : HEADER + zone], centre + at * dq, dq, factor, tables[1, LANES:])
     fetch(after, HEADER + first, HEADER + zone + bins)
-    u0, u1, u2, gained = _hold_mid(cells[zone : zone + bins], centre + zone * dq, dq, c, F, dt, scratch)
+    end = HEADER + zone + bins
+    u0, u1, u2, gained = _hold_mid(row, end, n, q, dq, F, first_mid, table)
     at = zone + bins + CELLS
-    q = centre + at * dq
     fetch(after, HEADER + zone + bins, HEADER + (at + last) // 2)
     a0 = a1 = a2 = 0.0
     if at < last:
-        a0, a1, a2 = step_high(row, at, last, q, dq, decay((g3 - G * q) * dt), tables, scratch)
+        a0, a1, a2 = step_high(row, at, last, q + 1.0, dq, first_high, tables)
     fetch(after, HEADER + (at + last) // 2, HEADER + last)
-    v0, v1, v2, gained_parts, weighted = _hold_zones(row, dt, c, F, factor, G, g3, bins, scratch)
+    v0, v1, v2, gained_parts, weighted = _hold_zones(
+        row, dt, c, F, factor, G, g3, table[3 * n], table[3 * n + 1], bins
+    )
     # Within (0, 1), rho' = c q (F - rho), so that the detached energy follows from the change and from int q dt.
     k = bins - float(CELLS)
-    p = centre + (zone + CELLS) * dq + 0.5 * dq * (k - 1.0)
+    p = q + 0.5 * dq * (k - 1.0)
     weighted += k * p * (p * p + 0.25 * dq * dq * (k * k - 1.0)) * dt
     gained += gained_parts
     attached = 0.5 * dq * (gained + (g1 * (F * weighted - gained / c) if c > 0.0 else 0.0))

@@ -22,7 +22,7 @@ import numba as nb
 
 from myobridge_plugins.cross_bridge.window_layout import BARE
 
-__all__ = ["LITTLE", "carry", "decay", "decay_little", "relaxed_time"]
+__all__ = ["LITTLE", "carry", "decay", "decay_above", "decay_little", "relaxed_time"]
 
 # Gauss' rule with four points on [0, 1].
 _N1, _N2, _N3, _N4 = 0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263
@@ -32,38 +32,38 @@ LITTLE = 0.1
 
 @nb.njit(inline="always", **BARE)
 def decay(x):
-    """exp(x) for x <= 0 as P12(x/16)^16: absolute error 4e-16, at least 4e-18. Vectorises, unlike libm's."""
-    y = max(x, -40.0) * 0.0625
-    p = y * (1.0 / 479001600.0) + 1.0 / 39916800.0
-    p = p * y + 1.0 / 3628800.0
-    p = p * y + 1.0 / 362880.0
-    p = p * y + 1.0 / 40320.0
-    p = p * y + 1.0 / 5040.0
-    p = p * y + 1.0 / 720.0
-    p = p * y + 1.0 / 120.0
-    p = p * y + 1.0 / 24.0
-    p = p * y + 1.0 / 6.0
-    p = p * y + 0.5
-    p = p * y + 1.0
-    p = p * y + 1.0
-    p *= p
-    p *= p
-    p *= p
+    """exp(x) for x <= 0 as P12(x/16)^16: absolute error 1.5e-15, at least 4e-18. Vectorises, unlike libm's."""
+    return decay_above(max(x, -40.0))
+
+
+@nb.njit(inline="always", **BARE)
+def decay_above(x):
+    """`decay` of numbers, or of a vector of them, that are not below -40."""
+    y = x * 0.0625
+    y2 = y * y
+    y4 = y2 * y2
+    # Three groups at once: one term after the other takes twice as long.
+    high = (1.0 / 40320.0 + y * (1.0 / 362880.0)) + y2 * (1.0 / 3628800.0 + y * (1.0 / 39916800.0))
+    p = _expanded(y, y2, y4, high + y4 * (1.0 / 479001600.0))
+    p = p * p
+    p = p * p
+    p = p * p
     return p * p
 
 
 @nb.njit(inline="always", **BARE)
 def decay_little(x):
-    """exp(x) for abs(x) <= LITTLE: relative error 1e-16, half the cost of `decay`."""
-    p = x * (1.0 / 362880.0) + 1.0 / 40320.0
-    p = p * x + 1.0 / 5040.0
-    p = p * x + 1.0 / 720.0
-    p = p * x + 1.0 / 120.0
-    p = p * x + 1.0 / 24.0
-    p = p * x + 1.0 / 6.0
-    p = p * x + 0.5
-    p = p * x + 1.0
-    return p * x + 1.0
+    """exp(x) for abs(x) <= LITTLE: relative error 2e-16, half the cost of `decay`."""
+    x2 = x * x
+    return _expanded(x, x2, x2 * x2, 1.0 / 40320.0 + x * (1.0 / 362880.0))
+
+
+@nb.njit(inline="always", **BARE)
+def _expanded(x, x2, x4, high):
+    """Terms 1 to x^7/7!, and x^8 times `high`."""
+    low = x + x2 * (0.5 + x * (1.0 / 6.0))
+    mid = (1.0 / 24.0 + x * (1.0 / 120.0)) + x2 * (1.0 / 720.0 + x * (1.0 / 5040.0))
+    return 1.0 + (low + x4 * (mid + x4 * high))  # added last, so that only this sum is rounded
 
 
 @nb.njit(**BARE)

@@ -7,6 +7,7 @@ import math
 import numba as nb
 
 from myobridge_plugins.cross_bridge.label_kernels import carry, decay, relaxed_time
+from myobridge_plugins.cross_bridge.row_vectors import above, give, sum_of, take, where_positive
 from myobridge_plugins.cross_bridge.window_layout import BARE, HEADER, LANES, PART
 
 __all__ = ["high_dwell", "some_above", "step_crowded", "step_high", "step_low", "step_mid", "tabulate"]
@@ -99,27 +100,21 @@ def step_crowded(cells, flux, site, q, D, dq, dt, f, a, g1, g2, g3):
 
 
 @nb.njit(**PART)
-def step_high(row, first, last, q, dq, factor, tables, kept):
+def step_high(row, first, last, q, dq, factor, tables):
     """Cells `first` to `last` above q=1, the first centred at q after the step. Moment sums after.
 
-    Whole LANES are stepped: cells before `first` are put back.
+    Whole LANES are stepped: of what stands before the cells nothing changes.
     """
     skip = (first - last) % LANES
-    cells = row[HEADER + first - skip : HEADER + last]
-    fade, ramp = tables[0, LANES - skip :], tables[1, LANES - skip :]
-    for i in range(LANES):
-        kept[i] = row[HEADER + first - LANES + i]
     s0 = s1 = s2 = 0.0
-    for i in range(cells.size):
-        x = cells[i] * (factor * fade[i])
-        x = x if x > TINY else 0.0
-        cells[i] = x
-        s0 += x
-        y = x * ramp[i]
-        s1 += y
-        s2 += y * ramp[i]
-    for i in range(LANES):
-        row[HEADER + first - LANES + i] = kept[i]
+    for i in range(-skip, last - first, LANES):
+        x, fade, ramp = take(row, HEADER + first + i), take(tables[0], LANES + i), take(tables[1], LANES + i)
+        y = above(x * (fade * factor), TINY)
+        give(row, HEADER + first + i, where_positive(fade, y, x))
+        s0 += sum_of(y)
+        y = y * ramp
+        s1 += sum_of(y)
+        s2 += sum_of(y * ramp)
     return _moments_at(s0, s1, s2, q, dq)
 
 

@@ -8,6 +8,7 @@ import numba as nb
 
 from myobridge.cache_lines import LINE
 from myobridge_plugins.cross_bridge.prefetch import fetch
+from myobridge_plugins.cross_bridge.row_moves import clear_lines, copy_lines
 from myobridge_plugins.cross_bridge.window_layout import (
     BARE,
     BARE_ENTRY,
@@ -92,33 +93,30 @@ def move_window(row, low, bins):
 
 
 @nb.njit(**PART)
+def _lines(row):
+    """Places of the lines that hold the occupied range, all within the row, which is whole lines."""
+    return HEADER + int(row[FIRST]) // LINE * LINE, HEADER + (int(row[LAST]) + LINE - 1) // LINE * LINE
+
+
+@nb.njit(**PART)
 def copy_row(row, out):
     """State row into `out`; cells outside the occupied range are zero."""
-    first, last = int(row[FIRST]), int(row[LAST])
-    for i in range(HEADER):
-        out[i] = row[i]
-    for i in range(HEADER, HEADER + first):
-        out[i] = 0.0
-    for i in range(HEADER + first, HEADER + last):
-        out[i] = row[i]
-    for i in range(HEADER + last, row.size):
-        out[i] = 0.0
+    first, last = _lines(row)
+    copy_lines(row, out, 0, HEADER)
+    clear_lines(out, HEADER, first)
+    copy_lines(row, out, first, last)
+    clear_lines(out, last, row.size)
 
 
 @nb.njit(**PART)
 def take_row(row, image):
     """State row into `image`, which holds an earlier row: few cells have to be set to zero."""
-    stale_first, stale_last = int(image[FIRST]), int(image[LAST])
-    # Whole lines; what is beyond the occupied range is zero.
-    first, last = int(row[FIRST]) // LINE * LINE, min((int(row[LAST]) + LINE - 1) // LINE * LINE, row.size - HEADER)
-    for i in range(HEADER):
-        image[i] = row[i]
-    for i in range(HEADER + first, HEADER + last):
-        image[i] = row[i]
-    for i in range(HEADER + stale_first, HEADER + min(stale_last, first)):
-        image[i] = 0.0
-    for i in range(HEADER + max(stale_first, last), HEADER + stale_last):
-        image[i] = 0.0
+    stale_first, stale_last = _lines(image)
+    first, last = _lines(row)
+    copy_lines(row, image, 0, HEADER)
+    copy_lines(row, image, first, last)
+    clear_lines(image, stale_first, min(stale_last, first))
+    clear_lines(image, max(stale_first, last), stale_last)
 
 
 @nb.njit(**BARE_ENTRY)

@@ -27,11 +27,11 @@ FIRST, LAST = 4, 5  # cells that may hold heads: FIRST <= i < LAST; all others a
 ZONE = 6
 LEFT = 7  # 0, the left face of a zone's first part
 FACE = LEFT + 1  # right faces of the parts, in cells from the zone's beginning; CELLS in places that are not used
-PARTS = 16  # most parts of a zone; loops take all places, used or not, so that they vectorise
+LANES = 16  # numbers of a vector, see `row_vectors`
+PARTS = LANES  # most parts of a zone: vectors take all places, used or not
 PART0 = FACE + PARTS  # means of the parts of the zone at q=0
 PART1 = PART0 + PARTS  # and at q=1
 HEADER = PART1 + PARTS  # seven cache lines
-LANES = 16  # cells are stepped by so many: the rest of a vector loop is slow
 CELLS = 6  # cells of a zone
 BLOCK = 16  # cells by which the window moves at a time
 
@@ -85,7 +85,7 @@ def cut_at(start, bins):
 @nb.njit(**BARE)
 def count_parts(row):
     """Parts of a zone."""
-    n = 1
+    n = 1.0  # counted in floating point: then the loop is one of vectors
     for k in range(PARTS):
-        n += 1 if row[FACE + k] < CELLS else 0
-    return n
+        n += 1.0 if row[FACE + k] < CELLS else 0.0
+    return int(n)

@@ -7,6 +7,7 @@ import math
 import numba as nb
 import numpy as np
 
+from myobridge_plugins.cross_bridge.row_moves import close_gap, make_room
 from myobridge_plugins.cross_bridge.window_layout import (
     BARE,
     CELLS,
@@ -74,7 +75,7 @@ def part_slope(mean, before, after, width, width_before, width_after):
 
 
 @nb.njit(**PART)
-def divide(row, y, bins, scratch):
+def divide(row, y, bins):
     """Add a face at `y` cells from the zone's beginning; `thin_out` left room for it."""
     k = 0
     for j in range(PARTS):
@@ -101,14 +102,9 @@ def divide(row, y, bins, scratch):
         row[PART1 + k + 1] if end < CELLS else row[place + bins + CELLS],
         width, width_before, width_after,
     )  # fmt: skip
-    for j in range(PARTS):
-        beyond = j > k
-        face, part0, part1 = row[FACE + j - 1], row[PART0 + j - 1], row[PART1 + j - 1]
-        scratch[_FACE + j] = face if beyond else row[FACE + j]
-        scratch[_PART0 + j] = part0 if beyond else row[PART0 + j]
-        scratch[_PART1 + j] = part1 if beyond else row[PART1 + j]
-    for j in range(PARTS):
-        row[FACE + j], row[PART0 + j], row[PART1 + j] = scratch[_FACE + j], scratch[_PART0 + j], scratch[_PART1 + j]
+    make_room(row, FACE, k)
+    make_room(row, PART0, k)
+    make_room(row, PART1, k)
     row[FACE + k] = y
     row[PART0 + k] = min(max(mean0 - 0.5 * slope0 * right, 0.0), 1.0)
     row[PART0 + k + 1] = min(max(mean0 + 0.5 * slope0 * left, 0.0), 1.0)
@@ -136,7 +132,7 @@ def _cheapest(row, y):
 
 
 @nb.njit(**PART)
-def thin_out(row, y, scratch):
+def thin_out(row, y):
     """Give up faces across which the means are alike, and others until there is room; not the cut at `y`."""
     while True:
         least, alike = _cheapest(row, y)
@@ -146,13 +142,9 @@ def thin_out(row, y, scratch):
         left, right = row[FACE + k] - row[FACE + k - 1], row[FACE + k + 1] - row[FACE + k]
         mean0 = (left * row[PART0 + k] + right * row[PART0 + k + 1]) / (left + right)
         mean1 = (left * row[PART1 + k] + right * row[PART1 + k + 1]) / (left + right)
-        for j in range(PARTS):
-            face, part0, part1 = row[FACE + j + 1], row[PART0 + j + 1], row[PART1 + j + 1]
-            scratch[_FACE + j] = face if j >= k else row[FACE + j]
-            scratch[_PART0 + j] = part0 if j >= k else row[PART0 + j]
-            scratch[_PART1 + j] = part1 if j >= k else row[PART1 + j]
-        for j in range(PARTS):
-            row[FACE + j], row[PART0 + j], row[PART1 + j] = scratch[_FACE + j], scratch[_PART0 + j], scratch[_PART1 + j]
+        close_gap(row, FACE, k)
+        close_gap(row, PART0, k)
+        close_gap(row, PART1, k)
         row[PART0 + k], row[PART1 + k] = min(mean0, 1.0), min(mean1, 1.0)
         row[FACE + PARTS - 1] = CELLS
         row[PART0 + PARTS - 1] = row[PART1 + PARTS - 1] = 0.0
@@ -169,5 +161,5 @@ def hold_cut(row, bins, scratch):
     row[ZONE] = zone
     y = cut_at(row[START], bins)
     enter_zone(row, math.floor(y), int(row[ZONE]) + CELLS // 2, bins, scratch)
-    divide(row, y - row[ZONE], bins, scratch)
-    thin_out(row, y - row[ZONE], scratch)
+    divide(row, y - row[ZONE], bins)
+    thin_out(row, y - row[ZONE])

@@ -1,8 +1,7 @@
-"""Vectors of all lanes of a row, each one value of compiled code.
+"""Vectors of all lanes of a row, see `vectors`.
 
-A loop over lanes becomes vector instructions only where the compiler can tell that no array overlaps another, asks so
-each time, and loads again after a store what it had. A vector stays in its register. Where registers are narrower than
-a row, the compiler takes several.
+Where loops over lanes did become vector instructions, the compiler asked each time whether arrays overlap, and loaded
+again after a store what it had.
 
 Lanes without a cell are worked on like the others: nobody reads them. What is called with many fixed numbers of rows is
 made of instructions here, because a function would be compiled anew for each number.
@@ -10,17 +9,17 @@ made of instructions here, because a function would be compiled anew for each nu
 
 from __future__ import annotations
 
-import operator
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
-from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.core.typing.templates import signature
+from numba.extending import intrinsic
 
 from myobridge.compiled import INLINED, LANES
+from myobridge_plugins.vectors import code_of, pointer_to, spread_over, vector_of
 
 __all__ = [
     "absolute",
@@ -39,51 +38,8 @@ inlined: Any = njit(**INLINED)
 """Decorator of what is compiled into whoever calls it."""
 _intrinsic: Any = intrinsic
 
-_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+_VECTOR, _LANES = code_of(LANES), vector_of(LANES)
 _WIDTH = 8 * LANES
-
-
-class _Lanes(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name="Lanes")
-
-
-_LANES = _Lanes()
-
-
-@register_model(_Lanes)
-class _Model(models.PrimitiveModel):
-    def __init__(self, manager: Any, lanes: Any) -> None:
-        super().__init__(manager, lanes, _VECTOR)
-
-
-def _spread(builder: Any, number: Any) -> Any:
-    if number.type == _VECTOR:
-        return number
-    nothing = ir.Constant(_VECTOR, ir.Undefined)
-    one = builder.insert_element(nothing, number, ir.IntType(32)(0))
-    return builder.shuffle_vector(one, nothing, ir.VectorType(ir.IntType(32), LANES)([0] * LANES))
-
-
-def _teach(operation: Any, instruction: str) -> None:
-    """Let an operator take two vectors, or a vector and a number."""
-    pairs = [(_LANES, _LANES), (_LANES, types.float64), (types.float64, _LANES)]
-    known: Any = infer_global
-    known(operation)(
-        type(f"_{instruction}", (ConcreteTemplate,), {"cases": [signature(_LANES, *pair) for pair in pairs]})
-    )
-
-    def lowered(_context: Any, builder: Any, _types: Any, both: Any) -> Any:
-        return getattr(builder, instruction)(*(_spread(builder, one) for one in both))
-
-    for pair in pairs:
-        lower_builtin(operation, *pair)(lowered)
-
-
-_teach(operator.add, "fadd")
-_teach(operator.sub, "fsub")
-_teach(operator.mul, "fmul")
-_teach(operator.truediv, "fdiv")
 
 
 def _call(name: str, builder: Any, *given: Any) -> Any:
@@ -99,8 +55,7 @@ def _read(builder: Any, place: Any) -> Any:
 
 
 def _place(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
-    data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [builder.mul(row, row.type(LANES))]), _VECTOR.as_pointer())
+    return pointer_to(context, builder, array_type, array, builder.mul(row, row.type(LANES)), LANES)
 
 
 @_intrinsic
@@ -159,7 +114,11 @@ def product_with(_typing: Any, vectors: Any, array: Any, i: Any, j: Any, k: Any)
 def spread(_typing: Any, number: Any) -> Any:
     """A number in all lanes."""
     del number
-    return signature(_LANES, types.float64), lambda _context, builder, _types, given: _spread(builder, given[0])
+
+    def lowered(_context: Any, builder: Any, _types: Any, given: Any) -> Any:
+        return spread_over(builder, given[0], LANES)
+
+    return signature(_LANES, types.float64), lowered
 
 
 @_intrinsic
