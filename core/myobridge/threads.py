@@ -37,8 +37,12 @@ def shared_out(threads: int, first: int, last: int, loop: Callable[[int, int], o
     parts = iter(_parts(threads, first, last))  # the iterator of a list hands no part out twice
 
     def take() -> None:
-        for a, b in parts:
-            loop(a, b)
+        try:
+            for a, b in parts:
+                loop(a, b)
+        finally:
+            for _ in parts:  # after an error or an interrupt nobody goes on
+                pass
 
     others = [_pool().submit(take) for _ in range(threads - 1)]
     try:

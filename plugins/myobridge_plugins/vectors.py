@@ -48,8 +48,8 @@ def spread_over(builder: Any, number: Any, size: int) -> Any:
 
 def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, place: Any, size: int) -> Any:
     """Code of the address of `size` numbers of an array, from a place on."""
-    data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [place]), code_of(size).as_pointer())
+    address: Any = builder.gep(context.make_array(array_type)(context, builder, array).data, [place])
+    return builder.bitcast(address, code_of(size).as_pointer())
 
 
 @functools.cache

@@ -148,14 +148,18 @@ def react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, tabl
     centre = row[START] + 0.5 * dq
     G = g1 + g3
     c = f + g1
-    F = f * a / c if c > 0.0 else 0.0
+    attaching = f / c if c > 0.0 else 0.0
+    F = attaching * a
     fetch(after, 0, HEADER)
     n = _places(bins)
     if table[3 * n + 2] != c:
         _tabulate(table, bins, c, G, g3, dt)
     # All that takes long in a row is begun first.
     q = centre + (zone + CELLS) * dq
-    first_mid, first_high = decay(-c * dt * q), decay((g3 - G * (q + 1.0)) * dt)
+    if max(c, G) * dt * (q + 1.0) <= LITTLE:
+        first_mid, first_high = decay_little(-c * dt * q), decay_little((g3 - G * (q + 1.0)) * dt)
+    else:
+        first_mid, first_high = decay(-c * dt * q), decay((g3 - G * (q + 1.0)) * dt)
     # Ranges are stepped in whole LANES, unless there are not so many cells below.
     b0 = b1 = b2 = 0.0
     if first < zone:
@@ -170,15 +174,13 @@ def react_site(row, flux, site, dt, f, a, g1, g2, g3, bins, factor, tables, tabl
     if at < last:
         a0, a1, a2 = step_high(row, at, last, q + 1.0, dq, first_high, tables)
     fetch(after, HEADER + (at + last) // 2, HEADER + last)
-    v0, v1, v2, gained_parts, weighted = _hold_zones(
-        row, dt, c, F, factor, G, g3, table[3 * n], table[3 * n + 1], bins
-    )
-    # Within (0, 1), rho' = c q (F - rho), so that the detached energy follows from the change and from int q dt.
+    v0, v1, v2, gained_parts, weighted = _hold_zones(row, dt, c, F, factor, G, g3, table[3 * n], table[3 * n + 1], bins)
+    # Within (0, 1), rho' = c q (F - rho), so that the attached energy follows from the change and from int q dt.
     k = bins - float(CELLS)
     p = q + 0.5 * dq * (k - 1.0)
     weighted += k * p * (p * p + 0.25 * dq * dq * (k * k - 1.0)) * dt
     gained += gained_parts
-    attached = 0.5 * dq * (gained + (g1 * (F * weighted - gained / c) if c > 0.0 else 0.0))
+    attached = 0.5 * dq * (attaching * gained + g1 * F * weighted)
     before = row[Q2]
     row[Q0] = dq * (factor * b0 + u0 + a0 + v0)
     row[Q1] = dq * (factor * b1 + u1 + a1 + v1)

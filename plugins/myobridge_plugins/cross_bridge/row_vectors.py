@@ -32,7 +32,7 @@ def take(_typing: Any, row: Any, place: Any) -> Any:
     """LANES numbers of a row, from a place on."""
 
     def lowered(context: Any, builder: Any, asked: Any, given: Any) -> Any:
-        return builder.load(pointer_to(context, builder, asked.args[0], *given, LANES), align=8)
+        return builder.load(pointer_to(context, builder, asked.args[0], given[0], given[1], LANES), align=8)
 
     del place
     return signature(_ROW, row, types.intp), lowered
@@ -43,7 +43,7 @@ def give(_typing: Any, row: Any, place: Any, numbers: Any) -> Any:
     """Write into a row, from a place on."""
 
     def lowered(context: Any, builder: Any, asked: Any, given: Any) -> Any:
-        builder.store(given[2], pointer_to(context, builder, asked.args[0], *given[:2], LANES), align=8)
+        builder.store(given[2], pointer_to(context, builder, asked.args[0], given[0], given[1], LANES), align=8)
         return context.get_dummy_value()
 
     del place, numbers
