@@ -61,7 +61,7 @@ def draw_chart(chart: Chart, path: str | os.PathLike[str]) -> Path:
         if j == 0 or axis != columns[j - 1][0]:
             axes.axvline(j - 0.5, color="black", linewidth=0.8)
             if j:
-                axes.text(j - 0.4, -0.8, axis.replace("_", " "), fontsize=7, style="italic")
+                axes.text(j - 0.4, -0.8, axis.replace("_", " "), fontsize=7, style="italic", rotation=25)
     for place in ("top", "right", "bottom", "left"):
         axes.spines[place].set_visible(False)
     handles = [Patch(facecolor=colour, edgecolor="#999999") for colour in _COLOURS]
