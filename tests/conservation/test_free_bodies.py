@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
@@ -203,7 +203,25 @@ def test_backward_euler_does_not_keep_the_angular_momentum():
 # --- energy
 
 
+# Its guess stretches fibres that stiffen exponentially: the residual there is a hundred thousand times the forces.
+BAD_GUESS = Scene(
+    FiniteElement(
+        mesh=Block(size=(0.01, 0.01), cells=(1, 1)),
+        material=HolzapfelOgden(),
+        fibres=Straight(direction=(0.18905338179353307, -0.5227484414807474)),
+        bulk_modulus=math.inf,
+        density=911.0,
+    ),
+    Huxley(bins=8, low=-4.0, high=8.0, p_max=1e3),
+    Constant(level=0.0),
+    0.004216965034285823,
+    1.0,
+    2,
+)
+
+
 @given(scene=scenes())
+@example(scene=BAD_GUESS)
 @settings(max_examples=25)
 def test_energy_comes_from_attachment_and_goes_with_detachment(scene):
     """Energy-momentum: neither created nor lost in any step."""

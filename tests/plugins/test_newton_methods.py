@@ -46,6 +46,20 @@ class Stiffening(NewtonProblem):
         return attrs.evolve(self.system, stiffness=sparse.csr_array(self.system.stiffness + spring))
 
 
+class FromFar(NewtonProblem):
+    """exp(x) = 2, and whether it is known how large the terms are that cancel."""
+
+    def __init__(self, known: bool) -> None:
+        self._known = known
+
+    def residual(self, unknowns: Array) -> tuple[Array, float]:
+        terms = float(np.linalg.norm(np.exp(unknowns))) + 3.0
+        return np.exp(unknowns) - 2.0, terms if self._known else 1e-9
+
+    def tangent(self, unknowns: Array) -> Matrix:
+        return np.diag(np.exp(unknowns))
+
+
 @pytest.mark.parametrize("name", METHODS)
 def test_all_methods_find_the_same_solution(name: str, elastic_block: Any) -> None:
     problem = Stiffening(elastic_block(dimension=2, cells=3), 1.0)
@@ -78,6 +92,22 @@ def test_a_residual_whose_square_overflows_is_only_too_large(name: str) -> None:
     found = METHODS[name]().solve(Exponential(), start)
     assert found.converged, found.reason
     assert np.allclose(found.unknowns, 2.0, rtol=1e-8)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_bad_guess_does_not_loosen_the_tolerance(name: str) -> None:
+    """exp(x) = 2 from x = 20, where the residual is 5e8: a millionth of that is not enough."""
+    found = METHODS[name](tolerance=1e-6).solve(FromFar(known=True), np.array([20.0, 19.0]))
+    assert found.converged, found.reason
+    assert np.linalg.norm(np.exp(found.unknowns) - 2.0) <= 1e-6 * 6.0
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_terms_that_are_not_known_do_not_tighten_it(name: str) -> None:
+    """A solid need not say how large its terms are: then the first residual is all there is to compare with."""
+    found = METHODS[name](tolerance=1e-6).solve(FromFar(known=False), np.array([20.0, 19.0]))
+    assert found.converged, found.reason
+    assert 1e-6 < np.linalg.norm(np.exp(found.unknowns) - 2.0) <= 1e-6 * np.exp(20.2)
 
 
 @pytest.mark.parametrize("name", METHODS)

@@ -30,7 +30,7 @@ from myobridge.solvers.linear import (
     times,
 )
 from myobridge.solvers.method_choice import MethodChoice, method_for, method_for_size
-from myobridge.solvers.newton import ROUND_OFF, Ordinary, is_round_off, iterate, log_step, newton
+from myobridge.solvers.newton import ROUND_OFF, Goal, Ordinary, is_round_off, iterate, log_step, newton
 from myobridge.solvers.one_step import failed, implicit_stage, stage_report
 from myobridge.solvers.projection import (
     Projected,
@@ -51,6 +51,7 @@ __all__ = [
     "ConstrainedMass",
     "Formula",
     "Frequency",
+    "Goal",
     "HeldTangent",
     "Inertia",
     "InertiaUnknown",

@@ -33,7 +33,7 @@ from myobridge.solvers.choice import factorise
 from myobridge.solvers.linear import SingularMatrix, UnsolvedSystem, absolute_product, length_of, solve
 from myobridge.work import count
 
-__all__ = ["ROUND_OFF", "Correction", "Ordinary", "is_round_off", "iterate", "log_step", "newton"]
+__all__ = ["ROUND_OFF", "Correction", "Goal", "Ordinary", "is_round_off", "iterate", "log_step", "newton"]
 
 _LOG = logging.getLogger("myobridge.newton")
 ROUND_OFF = 16.0 * float(np.finfo(float).eps)
@@ -41,6 +41,36 @@ ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 
 # The relative residual of the linear systems, where the solver iterates: small enough that nobody sees the difference.
 _LINEAR = 1e-8
+
+
+@final
+@attrs.frozen
+class Goal:
+    r"""When a residual is small enough.
+
+    .. math:: \|F\| \le \max\bigl(\epsilon \min(\|F_0\|, \|T\|),\; 16\,\varepsilon\,\|T\|\bigr)
+
+    with the tolerance :math:`\epsilon` and the terms `T` that cancel in the residual `F`. A bad guess in a tissue that
+    stiffens exponentially has a residual of millions: to fall below that says little, so what counts then is the size
+    of the terms where the iteration stands.
+
+    Parameters
+    ----------
+    tolerance : float
+        Factor by which the residual must fall.
+    first, terms : float
+        Norms of the residual and of its terms at the start. Terms smaller than the residual are not known.
+    """
+
+    tolerance: float
+    first: float
+    terms: float
+
+    def size(self, terms: float) -> float:
+        """Largest residual that is small enough where the terms have this norm."""
+        known = self.terms >= self.first
+        return max(self.tolerance * (min(self.first, terms) if known else self.first), ROUND_OFF * terms)
+
 
 Correction = Callable[[Array, Array], tuple[Array, int, bool] | None]
 """From unknowns and residual: the correction, iterations of the linear solver, whether the tangent was new.
@@ -66,20 +96,20 @@ def iterate(
     correction : callable
         Raises `SingularMatrix` or `UnsolvedSystem` where it finds none.
     tolerance : float
-        Converged when the residual has fallen by this factor, or when it, or a correction, is round-off.
+        Converged when the residual has fallen by this factor (`Goal`), or when it, or a correction, is round-off.
     growth : float
         The residual may grow by this factor in one iteration; beyond it the step is halved.
     """
     unknowns = start
     residual, magnitude = problem.residual(unknowns)
     size = length_of(residual)
-    first = size
+    first, goal = size, Goal(tolerance, size, magnitude)
     history: list[NewtonStep] = []
     for iteration in range(max_iterations):
         if not math.isfinite(size):
             return NewtonResult(unknowns, False, iteration, "the residual is not finite", tuple(history))
         # A residual below the round-off of its own terms cannot fall any further.
-        if size <= ROUND_OFF * magnitude or (iteration > 0 and size <= tolerance * first):
+        if size <= (goal.size(magnitude) if iteration > 0 else ROUND_OFF * magnitude):
             return NewtonResult(unknowns, True, iteration, "", tuple(history))
         try:
             found = correction(unknowns, residual)
@@ -110,7 +140,7 @@ def iterate(
         unknowns = candidate
         if fraction == 1.0 and renewed and length_of(change) <= ROUND_OFF * length_of(unknowns):
             return NewtonResult(unknowns, True, iteration + 1, "", tuple(history))
-    converged = size <= max(tolerance * first, ROUND_OFF * magnitude)
+    converged = size <= goal.size(magnitude)
     reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
     return NewtonResult(unknowns, converged, max_iterations, "" if converged else reason, tuple(history))
 

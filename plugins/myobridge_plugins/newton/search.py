@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple, final
 
 from myobridge.interfaces import Array, NewtonProblem, NewtonStep
-from myobridge.solvers import ROUND_OFF, length_of, log_step
+from myobridge.solvers import ROUND_OFF, Goal, length_of, log_step
 from myobridge.work import count
 
 __all__ = ["Place", "Search"]
@@ -29,15 +29,15 @@ class Search:
     ----------
     best : Place
         Of the smallest residual so far.
-    first : float
-        Norm of the residual at the start.
+    goal : Goal
+        When the residual is small enough.
     history : list of NewtonStep
     """
 
-    def __init__(self, problem: NewtonProblem, start: Array, backtracks: int) -> None:
+    def __init__(self, problem: NewtonProblem, start: Array, tolerance: float, backtracks: int) -> None:
         self.problem, self._backtracks = problem, backtracks
         self._here = self.best = self._at(start)
-        self.first = self._here.size
+        self.goal = Goal(tolerance, self._here.size, self._here.magnitude)
         self.history: list[NewtonStep] = []
 
     def _at(self, point: Array) -> Place:
@@ -59,10 +59,11 @@ class Search:
         """Its norm."""
         return self._here.size
 
-    def converged(self, tolerance: float) -> bool:
-        """Whether the residual has fallen by the factor `tolerance`, or is the round-off of its own terms."""
+    @property
+    def converged(self) -> bool:
+        """Whether the residual is small enough; before the first iteration: round-off of its own terms."""
         here = self._here
-        return here.size <= ROUND_OFF * here.magnitude or (bool(self.history) and here.size <= tolerance * self.first)
+        return here.size <= (self.goal.size(here.magnitude) if self.history else ROUND_OFF * here.magnitude)
 
     def step(self, correction: Array) -> float:
         """Take a correction away, or half of it, and so on; the share that was admissible, 0 where none was."""

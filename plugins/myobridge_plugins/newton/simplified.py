@@ -101,7 +101,7 @@ class Simplified(NewtonMethod):
         return task.direct and not task.path
 
     def solve(self, problem: NewtonProblem, start: Array, kept: KeptTangent | None = None) -> NewtonResult:
-        search = Search(problem, start, self.backtracks)
+        search = Search(problem, start, self.tolerance, self.backtracks)
         try:
             held = HeldTangent(kept, self.linear)
             if self._found(search, held) or self._found_truly(search, held):
@@ -127,7 +127,7 @@ class Simplified(NewtonMethod):
             held.charge(max(held.factors.iterations, 1))
             return found
 
-        while not search.converged(self.tolerance):
+        while not search.converged:
             if len(search.history) >= self.max_iterations or not math.isfinite(search.size):
                 return False
             if useless:
@@ -157,7 +157,7 @@ class Simplified(NewtonMethod):
         if not math.isfinite(search.best.size):
             return False
         inexact = Inexact(
-            tolerance=min(self.tolerance * search.first / search.best.size, 1e-3),
+            tolerance=min(search.goal.size(search.best.magnitude) / search.best.size, 1e-3),
             max_iterations=_TRUE,
             backtracks=self.backtracks,
             linear=self.linear,
