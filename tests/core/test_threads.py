@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 import pytest
@@ -40,6 +41,24 @@ def test_who_is_held_up_does_less():
     shared_out(2, 0, 1000, loop)
     assert parts[-1] == (0, 250)
     assert len(parts) > 4
+
+
+def test_after_an_error_nobody_goes_on():
+    """The second part fails while the first is worked on: no third one is begun."""
+    parts: list[int] = []
+    held, failed = threading.Lock(), threading.Event()
+
+    def loop(a: int, b: int) -> None:
+        parts.append(a)
+        if not held.acquire(blocking=False):
+            failed.set()
+            raise ValueError(a)
+        assert failed.wait(20.0)
+        time.sleep(0.2)  # the other has yet to say so
+
+    with pytest.raises(ValueError, match="250"):
+        shared_out(2, 0, 1000, loop)
+    assert parts == [0, 250]
 
 
 @pytest.mark.parametrize("where", [0, 999])
