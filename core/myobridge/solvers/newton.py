@@ -71,6 +71,10 @@ class Goal:
         known = self.terms >= self.first
         return max(self.tolerance * (min(self.first, terms) if known else self.first), ROUND_OFF * terms)
 
+    def reached(self, size: float, terms: float, iterations: int) -> bool:
+        """Whether a residual is small enough; at the start only one that is round-off of its own terms."""
+        return size <= (self.size(terms) if iterations > 0 else ROUND_OFF * terms)
+
 
 Correction = Callable[[Array, Array], tuple[Array, int, bool] | None]
 """From unknowns and residual: the correction, iterations of the linear solver, whether the tangent was new.
@@ -108,8 +112,7 @@ def iterate(
     for iteration in range(max_iterations):
         if not math.isfinite(size):
             return NewtonResult(unknowns, False, iteration, "the residual is not finite", tuple(history))
-        # A residual below the round-off of its own terms cannot fall any further.
-        if size <= (goal.size(magnitude) if iteration > 0 else ROUND_OFF * magnitude):
+        if goal.reached(size, magnitude, iteration):
             return NewtonResult(unknowns, True, iteration, "", tuple(history))
         try:
             found = correction(unknowns, residual)
@@ -140,7 +143,7 @@ def iterate(
         unknowns = candidate
         if fraction == 1.0 and renewed and length_of(change) <= ROUND_OFF * length_of(unknowns):
             return NewtonResult(unknowns, True, iteration + 1, "", tuple(history))
-    converged = size <= goal.size(magnitude)
+    converged = goal.reached(size, magnitude, max_iterations)
     reason = f"Newton did not converge in {max_iterations} iterations (residual {first:.2e} at first, {size:.2e} now)"
     return NewtonResult(unknowns, converged, max_iterations, "" if converged else reason, tuple(history))
 

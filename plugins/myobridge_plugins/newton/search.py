@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple, final
 
 from myobridge.interfaces import Array, NewtonProblem, NewtonStep
-from myobridge.solvers import ROUND_OFF, Goal, length_of, log_step
+from myobridge.solvers import Goal, length_of, log_step
 from myobridge.work import count
 
 __all__ = ["Place", "Search"]
@@ -63,7 +63,7 @@ class Search:
     def converged(self) -> bool:
         """Whether the residual is small enough; before the first iteration: round-off of its own terms."""
         here = self._here
-        return here.size <= (self.goal.size(here.magnitude) if self.history else ROUND_OFF * here.magnitude)
+        return self.goal.reached(here.size, here.magnitude, len(self.history))
 
     def step(self, correction: Array) -> float:
         """Take a correction away, or half of it, and so on; the share that was admissible, 0 where none was."""
